@@ -1,0 +1,1 @@
+"""Looking and playing: plots and pages."""

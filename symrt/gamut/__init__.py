@@ -1,0 +1,1 @@
+"""Step 4: a device's spectral basis and gamut."""

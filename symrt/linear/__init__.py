@@ -1,0 +1,1 @@
+"""Step 2: collapse the tree of rays into a linear system."""

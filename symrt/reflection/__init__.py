@@ -1,0 +1,1 @@
+"""What surfaces do: a model of reflection is its formulas (step 1)."""

@@ -1,0 +1,1 @@
+"""What is there: cameras, lights, materials and shapes, numbers and names only (step 1)."""

@@ -1,0 +1,1 @@
+"""Step 3: spectra by name, products of spectra, and images."""
