@@ -1,1 +1,35 @@
 """What surfaces do: a model of reflection is its formulas (step 1)."""
+
+from symrt.reflection.models import MODELS, Model, stack
+from symrt.reflection.symbols import (
+    diffuse,
+    h_dot_v,
+    l_dot_v,
+    lobe,
+    mirror,
+    n_dot_h,
+    n_dot_l,
+    n_dot_v,
+    parameter,
+    r_dot_v,
+    reflectance,
+    specular,
+)
+
+__all__ = [
+    "MODELS",
+    "Model",
+    "diffuse",
+    "h_dot_v",
+    "l_dot_v",
+    "lobe",
+    "mirror",
+    "n_dot_h",
+    "n_dot_l",
+    "n_dot_v",
+    "parameter",
+    "r_dot_v",
+    "reflectance",
+    "specular",
+    "stack",
+]

@@ -1,0 +1,156 @@
+"""Models of reflection: each one is its formulas (step 1; MATHS of the models in the references).
+
+``direct`` is the radiance towards the viewer per unit irradiance on a surface that faces the light; ``ambient`` per
+unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view.  Cosines
+arrive clamped to [0, 1], and a light behind the surface is not asked.
+
+References
+----------
+.. [1] B. T. Phong, "Illumination for Computer Generated Pictures", CACM 18(6), 1975.
+.. [2] J. F. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977.
+.. [3] E. P. Lafortune and Y. D. Willems, "Using the Modified Phong Reflectance Model for Physically Based Rendering",
+   KU Leuven CW 197, 1994: the factor (s + 2)/2π.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import sympy
+from sympy import pi
+
+from symrt.reflection.polynomials import monomials
+from symrt.reflection.symbols import (
+    GEOMETRY,
+    VIEW,
+    Factor,
+    Parameter,
+    Reflectance,
+    diffuse,
+    lobe,
+    mirror,
+    n_dot_h,
+    n_dot_l,
+    parameter,
+    r_dot_v,
+    specular,
+)
+
+ZERO = sympy.Integer(0)
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a surface does with light, as formulas in reflectances, geometric factors and parameters.
+
+    A formula that is not zero calls for its effect: ``reflected`` makes the tracer follow mirrored rays.
+
+    Raises
+    ------
+    ValueError
+        If a formula is not polynomial in its reflectances, or uses a symbol that no tracer provides.
+
+    Examples
+    --------
+    >>> Model(direct=diffuse * n_dot_l / pi, ambient=diffuse).components
+    frozenset({'diffuse'})
+    """
+
+    direct: sympy.Expr = ZERO
+    ambient: sympy.Expr = ZERO
+    reflected: sympy.Expr = ZERO
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            formula = _as_expression(field.name, getattr(self, field.name))
+            object.__setattr__(self, field.name, formula)
+            _check(field.name, formula)
+
+    @property
+    def formulas(self) -> dict[str, sympy.Expr]:
+        """The formulas by the name of their field."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def components(self) -> frozenset[str]:
+        """Reflectances that a material with this model has."""
+        return self._names(Reflectance)
+
+    @cached_property
+    def parameters(self) -> frozenset[str]:
+        """Scalars that a material with this model must give."""
+        return self._names(Parameter)
+
+    @cached_property
+    def factors(self) -> frozenset[str]:
+        """Geometric factors that the tracer must compute; no other is."""
+        return self._names(Factor)
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether the model calls for mirrored rays."""
+        return self.reflected != 0
+
+    def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
+        return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
+
+    def _repr_latex_(self) -> str:
+        lines = (rf"\text{{{name}}} &= {sympy.latex(f)}" for name, f in self.formulas.items() if f != 0)
+        return r"$\begin{aligned}" + r" \\ ".join(lines) + r"\end{aligned}$"
+
+
+def stack(models: Iterable[Model]) -> Model:
+    """One model that does what all of them do, each on the components it names.
+
+    Examples
+    --------
+    >>> stack([MODELS["lambert"], MODELS["mirror"]]).reflected
+    mirror
+    """
+    models = list(models)
+    if not models:
+        raise ValueError("a material needs at least one model, such as 'lambert'")
+    return Model(**{name: sympy.Add(*(m.formulas[name] for m in models)) for name in models[0].formulas})
+
+
+def _as_expression(field: str, formula: object) -> sympy.Expr:
+    if isinstance(formula, int | float):
+        return sympy.Integer(formula) if isinstance(formula, int) else sympy.Float(formula)
+    # A string is refused, not parsed: SymPy's parser evaluates what it reads.
+    if not isinstance(formula, sympy.Expr):
+        raise ValueError(f"{field} = {formula!r}: a formula is a SymPy expression, such as diffuse * n_dot_l / pi")  # noqa: TRY004
+    return formula
+
+
+def _check(field: str, formula: sympy.Expr) -> None:
+    known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")}
+    for symbol in sorted(formula.free_symbols, key=str):
+        if not isinstance(symbol, Reflectance | Factor | Parameter):
+            raise ValueError(  # noqa: TRY004 -- a bad formula is a bad value
+                f"{field} = {formula}: {symbol} is neither a reflectance, a geometric factor nor a parameter; use "
+                "reflectance(name), parameter(name) or one of " + ", ".join(GEOMETRY)
+            )
+        if isinstance(symbol, Factor) and symbol.name not in known:
+            raise ValueError(f"{field} = {formula}: no tracer computes {symbol}; the factors are {', '.join(GEOMETRY)}")
+        if isinstance(symbol, Factor) and field != "direct" and symbol.name not in VIEW:
+            raise ValueError(f"{field} = {formula}: {symbol} needs a light; only n_dot_v is known here")
+    monomials(formula)
+
+
+_exponent = parameter("exponent")
+
+MODELS = {
+    "lambert": Model(direct=diffuse * n_dot_l / pi, ambient=diffuse),
+    "phong": Model(
+        direct=diffuse * n_dot_l / pi + specular * (_exponent + 2) / (2 * pi) * lobe(r_dot_v, _exponent) * n_dot_l,
+        ambient=diffuse,
+    ),
+    # The paper's: diffuse and specular share the white of a perfect diffuser, and neither is normalised.
+    "phong_plain": Model(direct=(diffuse * n_dot_l + specular * lobe(r_dot_v, _exponent)) / pi, ambient=diffuse),
+    "blinn_phong": Model(
+        direct=diffuse * n_dot_l / pi + specular * (_exponent + 8) / (8 * pi) * lobe(n_dot_h, _exponent) * n_dot_l,
+        ambient=diffuse,
+    ),
+    "mirror": Model(reflected=mirror),
+}
+"""The models a scene file may name."""

@@ -1,0 +1,188 @@
+"""The kinds of symbol that a model of reflection is written in (step 1).
+
+A formula is partially evaluated by binding time [1]_.  *Static*, known after tracing: geometric factors and
+parameters.  *Dynamic*, free until shading: lights and reflectances.  The kind of a symbol is its class, so two symbols of
+one name and different kinds never meet.
+
+References
+----------
+.. [1] N. D. Jones, C. K. Gomard and P. Sestoft, "Partial Evaluation and Automatic Program Generation", 1993, ch. 1.
+"""
+
+import re
+from typing import Any, ClassVar
+
+import numpy as np
+import sympy
+from jaxtyping import Float
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+GEOMETRY = {
+    "n_dot_l": ("n", "l"),
+    "n_dot_v": ("n", "v"),
+    "n_dot_h": ("n", "h"),
+    "h_dot_v": ("h", "v"),
+    "r_dot_v": ("r", "v"),
+    "l_dot_v": ("l", "v"),
+}
+"""The geometric factors: cosines between normal n, light l, viewer v, half vector h and mirrored light r, all unit."""
+
+VIEW = frozenset({"n_dot_v", "one_minus_n_dot_v"})
+"""Factors that need no light: the only ones that `ambient` and `reflected` may use."""
+
+
+class Kind(sympy.Symbol):
+    """A symbol of one kind; kinds print in the order light, reflectance, factor, parameter."""
+
+    rank: ClassVar[str] = ""
+
+    def __new__(cls, name: str) -> "Kind":
+        """A symbol that stands for a number that is not negative."""
+        return super().__new__(cls, name, nonnegative=True)
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, Any]]:
+        return (self.name,), {}
+
+    @classmethod
+    def class_key(cls) -> tuple[int, int, str]:
+        """SymPy's key for the order of factors in a product."""
+        return 2, 0, cls.rank
+
+    def _latex(self, _printer: Any) -> str:
+        material, _, component = self.name.replace("_", r"\_").partition(".")
+        return rf"\mathrm{{{material}}}" + (rf"_{{\mathrm{{{component}}}}}" if component else "")
+
+
+class Light(Kind):
+    """The spectrum of a light."""
+
+    rank = "1 light"
+
+
+class Reflectance(Kind):
+    """A component of a material, a spectrum: ``diffuse`` in a model, ``sea.diffuse`` once the model has a material."""
+
+    rank = "2 reflectance"
+
+
+class Factor(Kind):
+    """A number for each hit, known after tracing."""
+
+    rank = "3 factor"
+
+    def _latex(self, _printer: Any) -> str:
+        stem, where = split_factor(self.name)
+        where = where.replace("_", r"\_")
+        if stem not in GEOMETRY:
+            stem = stem.replace("_", r"\_")
+            return rf"\mathit{{{stem}}}" + (rf"_{{{where}}}" if where else "")
+        first, second = GEOMETRY[stem]
+        return rf"({first} \cdot {second})" + (rf"_{{{where}}}" if where else "")
+
+
+class Parameter(Kind):
+    """A scalar that is not a spectrum: an exponent, a blend."""
+
+    rank = "4 parameter"
+
+
+class Lobe(sympy.Function):
+    """The power of a cosine, held as ``Lobe(1 - cosine, exponent)``: near its peak a cosine has no digits left.
+
+    Printed as cosine^exponent, evaluated as exp(s log1p(−(1 − cosine))).
+    """
+
+    nargs = 2
+
+    @property
+    def cosine(self) -> Factor:
+        """The factor that is raised to a power, for printing."""
+        return Factor(self.args[0].name.removeprefix("one_minus_"))
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"{printer.parenthesize(self.cosine, 60)}**{printer.parenthesize(self.args[1], 60)}"
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        power = rf"{printer.doprint(self.cosine)}^{{{printer.doprint(self.args[1])}}}"
+        return rf"\left({power}\right)^{{{exp}}}" if exp else power
+
+    def _pythoncode(self, printer: Any) -> str:
+        one_minus, exponent = (printer.doprint(a) for a in self.args)
+        return f"math.exp({exponent}*math.log1p(-{one_minus}))"
+
+    def _eval_evalf(self, prec: int) -> sympy.Expr:
+        one_minus, exponent = (a._eval_evalf(prec) for a in self.args)  # noqa: SLF001 -- SymPy's own protocol
+        return (1 - one_minus) ** exponent
+
+
+def reflectance(name: str) -> Reflectance:
+    """A reflectance of one's own model.
+
+    Examples
+    --------
+    >>> reflectance("f0")
+    f0
+    """
+    return Reflectance(checked_name(name))
+
+
+def parameter(name: str) -> Parameter:
+    """A scalar that each material gives a value: ``Material("red", model=shiny, exponent=40)``.
+
+    Examples
+    --------
+    >>> parameter("exponent")
+    exponent
+    """
+    return Parameter(checked_name(name))
+
+
+def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float) -> sympy.Expr:
+    """A cosine to a power, exact to 2 ulp up to exponents of 1e7 where ``long double`` is wider than ``double``.
+
+    Examples
+    --------
+    >>> lobe(r_dot_v, parameter("exponent"))
+    r_dot_v**exponent
+    """
+    if not isinstance(cosine, Factor) or cosine.name not in GEOMETRY:
+        raise ValueError(f"lobe({cosine}, …): the first argument is one of the cosines {', '.join(GEOMETRY)}")
+    return Lobe(Factor(f"one_minus_{cosine.name}"), exponent)
+
+
+def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float) -> Float[np.ndarray, " point"]:
+    """Evaluate (1 − x)^s as exp(s log1p(−x)), x clamped to [0, 1] first; anything to the power 0 is 1.
+
+    Examples
+    --------
+    >>> lobe_values(np.array([0.0, 0.5, 1.0, 1.7]), 2.0)
+    array([1.  , 0.25, 0.  , 0.  ])
+    """
+    if exponent == 0:
+        return np.ones_like(one_minus_cosine)
+    # Rounding the logarithm costs s·|log| ulp of the power: the wider type has 11 bits to spare for it.
+    x = np.clip(one_minus_cosine, 0.0, 1.0).astype(np.longdouble)
+    with np.errstate(divide="ignore", under="ignore"):
+        return np.exp(np.longdouble(exponent) * np.log1p(-x)).astype(np.float64)
+
+
+def checked_name(name: object) -> str:
+    """The name itself, if it may stand for a symbol."""
+    if not isinstance(name, str) or NAME.fullmatch(name) is None:
+        raise ValueError(f"{name!r} is not a name: a letter, then letters, digits and underscores")
+    return name
+
+
+def split_factor(name: str) -> tuple[str, str]:
+    """The factor and the place it belongs to: ``n_dot_l_sun_2`` is ``n_dot_l`` at ``sun_2``."""
+    for stem in GEOMETRY:
+        if name.startswith(stem):
+            return stem, name[len(stem) :].lstrip("_")
+    return name, ""
+
+
+diffuse = Reflectance("diffuse")
+specular = Reflectance("specular")
+mirror = Reflectance("mirror")
+n_dot_l, n_dot_v, n_dot_h, h_dot_v, r_dot_v, l_dot_v = map(Factor, GEOMETRY)
