@@ -1,0 +1,114 @@
+"""What is wrong with a file, in one line for each fault: the file, the key, the rule and the remedy.
+
+Both sides of the waist read files, so this stands at the bottom of the house.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+__all__ = ["NAME", "SceneError", "inside", "refuse", "shown", "suggestion"]
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+"""What lights, materials and textures may be called (DESIGN, Scenes)."""
+
+
+class SceneError(ValueError):
+    r"""A scene or palette file that cannot be used; `faults` has one line for each thing that is wrong with it.
+
+    Examples
+    --------
+    >>> SceneError("a.toml: camera.width = 0: too small\na.toml: lights: none").faults
+    ('a.toml: camera.width = 0: too small', 'a.toml: lights: none')
+    """
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Each fault, a line."""
+        return tuple(str(self).splitlines())
+
+
+def refuse(faults: Iterable[str]) -> None:
+    """Raise a ValueError with all the faults, a line each; do nothing if there are none.
+
+    Examples
+    --------
+    >>> refuse([])
+    >>> refuse(["radius = -1: it must be more than 0"])
+    Traceback (most recent call last):
+    ValueError: radius = -1: it must be more than 0
+    """
+    lines = list(faults)
+    if lines:
+        raise ValueError("\n".join(lines))
+
+
+def shown(value: object) -> str:
+    r"""A value as it may stand in a one-line message: on one line, and cut when it is long.
+
+    Examples
+    --------
+    >>> shown("two\nlines"), shown(10**5000), shown((0, 1.5, 0))
+    ("'two\\nlines'", 'an integer of more than 40 digits', '[0, 1.5, 0]')
+    """
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**40:
+        return "an integer of more than 40 digits"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list | tuple):
+        items = ", ".join(shown(item) if not isinstance(item, list | tuple) else "[…]" for item in value[:6])
+        return f"[{items}{', …' if len(value) > 6 else ''}]"
+    text = repr(value[:60] if isinstance(value, str) else value)
+    return text if len(text) <= 70 else text[:66] + "…"
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """A remedy for a word that is not known: the nearest known one, or all of them.
+
+    Examples
+    --------
+    >>> suggestion("raduis", ["centre", "radius"])
+    "did you mean 'radius'?"
+    >>> suggestion("x", ["centre", "radius"])
+    "there are 'centre', 'radius'"
+    """
+    known = list(known)
+    near = difflib.get_close_matches(word[:64], known, n=1)
+    if near:
+        return f"did you mean {near[0]!r}?"
+    return f"there are {', '.join(map(repr, known))}" if known else "there are none"
+
+
+def inside(folder: Path, file: str | Path) -> Path:
+    r"""The path of a file that a scene names, which must stay inside the scene's folder.
+
+    Raises
+    ------
+    ValueError
+        If the path is absolute, climbs with ``..``, leaves the folder by a symbolic link, or names no file.
+
+    Examples
+    --------
+    >>> inside(Path("/scenes"), "../secret.obj")
+    Traceback (most recent call last):
+    ValueError: '../secret.obj' leaves the scene's folder: give a path inside it, without '..'
+    """
+    name = str(file)
+    posix, windows = PurePosixPath(name), PureWindowsPath(name)
+    if not name or "\0" in name:
+        raise ValueError(f"{shown(name)} is not a file name: give a path inside the scene's folder")
+    if posix.is_absolute() or windows.drive or windows.root:
+        raise ValueError(f"{shown(name)} is an absolute path: give one relative to the scene's folder")
+    if ".." in posix.parts or ".." in windows.parts:
+        raise ValueError(f"{shown(name)} leaves the scene's folder: give a path inside it, without '..'")
+    try:
+        path = (folder / name).resolve()
+        here = path.is_file()
+    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead in a circle, before Python 3.13
+        raise ValueError(f"{shown(name)} cannot be read ({error}): give a path inside the scene's folder") from None
+    if not path.is_relative_to(folder.resolve()):
+        raise ValueError(f"{shown(name)} is a link out of the scene's folder: copy the file into it")
+    if not here:
+        raise ValueError(f"{shown(name)} does not exist in the scene's folder: correct the name or add the file")
+    return path
