@@ -1,0 +1,57 @@
+"""The image that step 3 of the paper makes: a spectrum, a colour or basis coordinates in every pixel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from symrt.arrays import Spectrum
+from symrt.spectra.bands import Bands
+
+__all__ = ["SpectralImage"]
+
+
+@dataclass(frozen=True, eq=False)
+class SpectralImage:
+    """An image with a spectrum, a colour or basis coordinates in every pixel.
+
+    Parameters
+    ----------
+    values
+        Radiances, (height, width, band); row 0 is at the top.
+    bands
+        What the last axis counts.
+    white
+        Radiance of the reference white of the key light; None for coordinates, or if no light shines.
+    cut_off
+        For each band, a bound on what the depth limit left out of any pixel; infinite where there is no certificate,
+        because some mirror reflects everything; None if nothing was cut off.
+    seconds
+        Time that shading took.
+    """
+
+    values: Float[np.ndarray, "height width band"]
+    bands: Bands
+    white: Spectrum | None = None
+    cut_off: Spectrum | None = None
+    seconds: float = 0.0
+
+    def __repr__(self) -> str:
+        height, width, _ = self.values.shape
+        return f"SpectralImage({width} × {height} pixels, {self.bands!r}, {self.certificate})"
+
+    @property
+    def certificate(self) -> str:
+        """What the depth limit cut off, in words."""
+        if self.cut_off is None:
+            return "nothing cut off"
+        if unbounded := int(np.isinf(self.cut_off).sum()):
+            return f"no certificate of the depth limit in {unbounded} bands: a mirror reflects everything"
+        return f"at most {self.cut_off.max():.2g} cut off"
+
+    def _repr_png_(self) -> bytes | None:
+        if self.bands.kind == "coordinate" or self.white is None:
+            return None
+        from symrt.spectra.files import png_bytes  # noqa: PLC0415  # only a notebook needs the encoder
+
+        return png_bytes(self)

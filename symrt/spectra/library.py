@@ -1,0 +1,151 @@
+"""Spectra by name: the colour-science library's tables behind one function, for step 3 of the paper.
+
+Illuminants are relative, so they are scaled to **luminance 1**: as bright as an equal-energy light of constant 1.
+Putting ``illuminant/A`` in the place of ``illuminant/D65`` then changes the colour of a picture, not its brightness,
+and D65 in linear sRGB is (1, 1, 1).
+
+References
+----------
+The ColorChecker is "BabelColor Average" (D. Pascale), 380-730 nm by 10 nm; the illuminants are the CIE's.
+From RGB: I. Mallett and C. Yuksel, "Spectral Primary Decomposition for Rendering with sRGB Reflectance", EGSR 2019.
+"""
+
+import difflib
+import importlib
+import re
+import warnings
+from functools import cache
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from symrt.arrays import Spectrum
+from symrt.spectra.bands import Bands, resample
+
+__all__ = ["names", "spectrum"]
+
+OBSERVER = "CIE 1931 2 Degree Standard Observer"
+
+
+def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spectrum:
+    """A spectrum of the library at the given bands.
+
+    Capitals do not matter, and ``-``, ``_`` and a space are the same.  In RGB bands a light is its linear sRGB colour
+    and a reflectance the colour it has under D65; one outside sRGB is an error, since its red, green or blue would be
+    negative.
+
+    Parameters
+    ----------
+    name
+        ``macbeth/dark skin``, ``illuminant/D65`` …; see `names`.
+    reflectance
+        Refuse a light where a reflectance is meant, or the reverse; None takes either.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import wavelengths
+    >>> spectrum("macbeth/dark_skin", wavelengths(380, 730, 10))[:3]
+    array([0.055, 0.058, 0.061])
+    >>> spectrum("illuminant/E", wavelengths(400, 700, 100))
+    array([1., 1., 1., 1.])
+    """
+    group, nm, values, found = _look_up(_key(name), name)
+    if reflectance is not None and reflectance != (group == "macbeth"):
+        is_, meant = ("a reflectance", "a light") if group == "macbeth" else ("a light", "a reflectance")
+        raise ValueError(f"{name!r} is {is_}, and {meant} is wanted here: a symbol with a dot is a reflectance")
+    if bands.kind != "rgb":
+        return resample(nm, values, bands, repr(found))
+    d65 = resample(*_tables()["illuminant"]["D65"], Bands(tuple(nm.tolist())))
+    rgb = _linear_srgb(nm, values * d65 if group == "macbeth" else values) / _linear_srgb(nm, d65)
+    if rgb.min() < -1e-6 or (group == "macbeth" and rgb.max() > 1):
+        raise ValueError(
+            f"{name!r} is outside sRGB, {rgb.round(3).tolist()}: use bands in nm, or give [red, green, blue]"
+        )
+    return np.maximum(rgb, 0.0)
+
+
+def names() -> tuple[str, ...]:
+    """Every name that `spectrum` knows.
+
+    Examples
+    --------
+    >>> [name for name in names() if "skin" in name]
+    ['macbeth/dark skin', 'macbeth/light skin']
+    """
+    return tuple(f"{group}/{name}" for group, tables in _tables().items() for name in tables)
+
+
+def from_rgb(rgb: Float[np.ndarray, "3"], bands: Bands, *, reflectance: bool) -> Spectrum:
+    """A smooth spectrum of a linear sRGB colour: a reflectance under D65, or a light; in RGB, the three numbers.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import wavelengths
+    >>> from_rgb(np.array([0.5, 0.5, 0.5]), wavelengths(400, 700, 100), reflectance=True)
+    array([0.5, 0.5, 0.5, 0.5])
+    """
+    if not np.all(np.isfinite(rgb)) or rgb.min() < 0 or (reflectance and rgb.max() > 1):
+        range_ = "[0, 1]" if reflectance else "[0, ∞)"
+        raise ValueError(f"rgb = {rgb.tolist()}: linear red, green and blue lie in {range_} here")
+    if bands.kind == "rgb":
+        return rgb
+    basis = colour_science().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
+    # The published basis sums to 1 within 1e-8 only; divided by its sum, grey is exactly flat and nothing passes 1.
+    values = np.minimum(basis.values @ rgb / basis.values.sum(axis=1), rgb.max())
+    values = resample(np.asarray(basis.wavelengths, float), values, bands, "rgb")
+    return values if reflectance else values * spectrum("illuminant/D65", bands)
+
+
+def _key(name: str) -> str:
+    return re.sub(r"[-_ ]+", " ", name.strip().lower())
+
+
+def _look_up(key: str, name: str) -> tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"], str]:
+    """Group, wavelengths, values and full name; a patch's notation and density may be left out: ``macbeth/white``."""
+    known = {_key(full): full for full in names()}
+    short: dict[str, list[str]] = {}
+    for full in known.values():
+        for part in {re.sub(r" \(.*", "", full), re.sub(r" [\d.]+ \(.*", "", full), full.replace("/FL", "/F")}:
+            short.setdefault(_key(part), []).append(full)
+    matches = [known[key]] if key in known else short.get(key, [])
+    if len(matches) != 1:
+        near = matches or difflib.get_close_matches(key, known, n=3, cutoff=0.5)
+        hint = (
+            f"did you mean {', '.join(known.get(n, n) for n in near)}?" if near else "see symrt.spectra.library.names()"
+        )
+        raise ValueError(f"no spectrum is named {name!r}: {hint}")
+    group, table = matches[0].split("/", 1)
+    return (group, *_tables()[group][table], matches[0])
+
+
+@cache
+def _tables() -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
+    colour = colour_science()
+    observer = colour.MSDS_CMFS[OBSERVER]
+    nm_y, y = np.asarray(observer.wavelengths, float), np.asarray(observer.values[:, 1], float)
+    tables: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {"macbeth": {}, "illuminant": {}}
+    for name, sd in colour.SDS_COLOURCHECKERS["BabelColor Average"].items():
+        tables["macbeth"][name] = (np.asarray(sd.wavelengths, float), np.asarray(sd.values, float))
+    for name, sd in colour.SDS_ILLUMINANTS.items():
+        nm, values = np.asarray(sd.wavelengths, float), np.asarray(sd.values, float)
+        if nm[0] <= 380 and nm[-1] >= 780:
+            luminance = y @ np.interp(nm_y, nm, values, left=0, right=0) / y.sum()
+            tables["illuminant"][name] = (nm, values / luminance)
+    return tables
+
+
+def _linear_srgb(nm: Float[np.ndarray, " n"], values: Float[np.ndarray, " n"]) -> Float[np.ndarray, "3"]:
+    """Colour of a radiance, unadapted, with the luminance of a constant 1 as the unit."""
+    colour = colour_science()
+    observer = colour.MSDS_CMFS[OBSERVER]
+    cmfs = np.stack([np.interp(nm, observer.wavelengths, column, left=0, right=0) for column in observer.values.T])
+    xyz = cmfs @ values / cmfs[1].sum()
+    return np.asarray(colour.models.RGB_COLOURSPACE_sRGB.matrix_XYZ_to_RGB @ xyz)
+
+
+def colour_science() -> Any:  # noqa: ANN401  # colour puts an object without types in its module's place
+    """The colour-science package, imported when first needed: it takes a second, and changes NumPy's print options."""
+    with np.printoptions(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return importlib.import_module("colour")

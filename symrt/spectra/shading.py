@@ -1,0 +1,202 @@
+"""Shade a linear system with a palette: step 3 of the paper, equation (2), ``p = G Γ``.
+
+Γ holds the product of the spectra that an interaction met, taken per wavelength.  Only then is it projected to a basis,
+``G (Γ Bᵀ)``: products of coordinates are not coordinates of products.
+"""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from scipy import sparse
+
+from symrt.arrays import Spectrum
+from symrt.spectra.bands import Bands, Number, coordinates
+from symrt.spectra.display import display_matrix, to_rgb8
+from symrt.spectra.image import SpectralImage
+from symrt.spectra.palette import Palette, did_you_mean
+from symrt.spectra.reference import Reference, key_light
+from symrt.system import Interaction, LinearSystem, Tail
+
+__all__ = ["gamma", "preview", "shade"]
+
+Gamma = Float[np.ndarray, "interaction band"]
+Vectors = Float[np.ndarray, "component band"]
+ROWS = 1 << 15
+
+
+@runtime_checkable
+class HasVectors(Protocol):
+    """A basis: anything with orthonormal rows in ``vectors``."""
+
+    @property
+    def vectors(self) -> Vectors:
+        """Orthonormal spectra."""
+
+
+def shade(
+    system: LinearSystem,
+    palette: Palette,
+    *,
+    parameters: Mapping[str, Number] | None = None,
+    basis: Vectors | HasVectors | None = None,
+    dtype: type[np.floating] = np.float64,
+) -> SpectralImage:
+    """Give every light and reflectance its spectrum.
+
+    Parameters
+    ----------
+    parameters
+        A value for each parameter that the system kept free.
+    basis
+        Orthonormal spectra, (component × band), or something whose ``vectors`` they are: the image then holds
+        coordinates.
+    dtype
+        float64, or float32 to halve the memory.
+
+    Raises
+    ------
+    ValueError
+        If the palette lacks a symbol, or a parameter has no value: all of them are named.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> G = sparse.csr_array(np.array([[0.5], [0.0]]))
+    >>> system = LinearSystem(G, (Interaction("sun", ("red.diffuse",)),), height=1, width=2, white={"sun": 0.5})
+    >>> shade(system, Palette(RGB, {"sun": 2, "red.diffuse": [0.8, 0.1, 0]})).values.tolist()
+    [[[0.8, 0.1, 0.0], [0.0, 0.0, 0.0]]]
+    """
+    start = time.perf_counter()
+    spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
+    vectors = None if basis is None else _vectors(basis, palette.bands)
+    cut_off = None if system.tail is None else tail_bound(system.tail, palette)
+    if vectors is not None:
+        spectra = spectra @ vectors.T
+        cut_off = None if cut_off is None else _in_basis(vectors, cut_off)
+    values = system.G.astype(dtype, copy=False) @ spectra.astype(dtype, copy=False)
+    return SpectralImage(
+        values=values.reshape(system.height, system.width, -1),
+        bands=palette.bands if vectors is None else coordinates(len(vectors)),
+        white=None if vectors is not None else _white(system, palette),
+        cut_off=cut_off,
+        seconds=time.perf_counter() - start,
+    )
+
+
+def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
+    """Γ: for each interaction the product, per band, of its light and of every reflectance it met, with repetition.
+
+    A reflectance such as ``sea>ice.diffuse`` that the palette does not name is zero: no blend was asked for.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> twice = Interaction("sun", ("red.mirror", "red.mirror"))
+    >>> gamma([twice], Palette(RGB, {"sun": 2, "red.mirror": [0.5, 0.1, 0]}))
+    array([[0.5 , 0.02, 0.  ]])
+    """
+    symbols = sorted({name for i in interactions for name in (i.light, *i.met)})
+    check_symbols(symbols, palette)
+    # The last row, of ones, fills up the interactions that met less than others did.
+    rows = [palette[name] if name in palette else np.zeros(len(palette.bands)) for name in symbols]
+    spectra = np.array([*rows, np.ones(len(palette.bands))])
+    number = {name: k for k, name in enumerate(symbols)}
+    factors = np.full((len(interactions), 1 + max((i.degree for i in interactions), default=0)), len(symbols))
+    for row, i in zip(factors, interactions, strict=True):
+        row[: 1 + i.degree] = [number[name] for name in (i.light, *i.met)]
+    return spectra[factors].prod(axis=1)
+
+
+def check_symbols(symbols: Sequence[str], palette: Palette) -> None:
+    """Refuse a palette that lacks a symbol which is not an alternative's."""
+    missing = [name for name in symbols if name not in palette and ">" not in name]
+    if missing:
+        raise ValueError(
+            f"the palette lacks {did_you_mean(missing, palette)}: name every light and reflectance of the system, for "
+            f"example palette.add({{{missing[0]!r}: 0.5}})"
+        )
+
+
+def node_weights(system: LinearSystem, parameters: Mapping[str, Number]) -> Float[np.ndarray, " interaction"]:
+    """What each column counts for at the given values of the free parameters: a product of Lagrange weights."""
+    if unknown := [name for name in parameters if name not in system.parameters]:
+        free = ", ".join(system.parameters) or "none"
+        raise ValueError(f"not a free parameter: {did_you_mean(unknown, system.parameters)}; free are: {free}")
+    if missing := [
+        f"{n.parameter} in [{n.low:g}, {n.high:g}]" for n in system.parameters.values() if n.parameter not in parameters
+    ]:
+        raise ValueError(f"give a value for {', '.join(missing)}: shade(…, parameters={{name: value}})")
+    weights = {name: nodes.weights(float(parameters[name])) for name, nodes in system.parameters.items()}
+    return np.array([np.prod([weights[name][j] for name, j in i.nodes]) for i in system.interactions], dtype=float)
+
+
+def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
+    """An upper bound, for each band, on what the depth limit cut off from any pixel; rounded up."""
+    spectra = gamma(tail.interactions, palette)
+    mirrors = {name for i in tail.interactions for name in i.met if name.endswith(".mirror")}
+    largest = np.max([palette[name] for name in sorted(mirrors)], axis=0, initial=0.0)
+    lit = np.diff(tail.bound.indptr) > 0
+    first = (tail.bound[lit] @ spectra).max(axis=0, initial=0.0) * (1 + 1e-12)
+    remaining = np.where(largest < 1, 1 - largest, 1.0)
+    # Products may underflow: a bound that is not zero stays so.
+    bound = np.nextafter(first / remaining, np.inf)
+    return np.where((largest >= 1) & (first > 0), np.inf, bound if lit.any() else 0.0 * first)
+
+
+def preview(
+    system: LinearSystem,
+    palette: Palette,
+    exposure: Number = 1.0,
+    *,
+    parameters: Mapping[str, Number] | None = None,
+    white: Spectrum | None = None,
+) -> UInt8[np.ndarray, "height width 3"]:
+    """The picture in 8-bit sRGB without its spectra: ``G (Γ C)``, projected before the product.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> G = sparse.csr_array(np.array([[0.5]]))
+    >>> system = LinearSystem(G, (Interaction("sun", ("red.diffuse",)),), height=1, width=1, white={"sun": 0.5})
+    >>> preview(system, Palette(RGB, {"sun": 2, "red.diffuse": [1, 0.5, 0]})).tolist()
+    [[[255, 188, 0]]]
+    """
+    seen = Reference(exposure=exposure).white(system, palette) if white is None else white
+    spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
+    colours = spectra @ (exposure * display_matrix(palette.bands, seen))
+    codes = [to_rgb8(rows @ colours) for rows in _row_blocks(system.G)]
+    return np.concatenate(codes).reshape(system.height, system.width, 3)
+
+
+def _row_blocks(matrix: sparse.csr_array) -> Iterator[sparse.csr_array]:
+    """Views of G, some rows at a time: their three bands stay in a core's cache until they are encoded."""
+    for first in range(0, matrix.shape[0], ROWS):
+        indptr = matrix.indptr[first : first + ROWS + 1]
+        part = slice(indptr[0], indptr[-1])
+        rows = (matrix.data[part], matrix.indices[part], indptr - indptr[0])
+        yield sparse.csr_array(rows, (len(indptr) - 1, matrix.shape[1]))
+
+
+def _in_basis(vectors: Vectors, bound: Spectrum) -> Float[np.ndarray, " component"]:
+    """A bound on each coordinate of a spectrum that is at most `bound`."""
+    with np.errstate(invalid="ignore"):
+        terms = np.where(vectors == 0, 0.0, np.abs(vectors) * bound)
+    return terms.sum(axis=1) * (1 + 1e-12)
+
+
+def _vectors(basis: Vectors | HasVectors, bands: Bands) -> Vectors:
+    vectors = np.asarray(getattr(basis, "vectors", basis), dtype=float)
+    if vectors.ndim != 2 or vectors.shape[1] != len(bands):
+        raise ValueError(f"the basis is {vectors.shape}, but the palette has {bands!r}: give (component, band)")
+    error = np.abs(vectors @ vectors.T - np.eye(len(vectors))).max()
+    if not error <= 1e-9:
+        raise ValueError(f"the basis is not orthonormal, by {error:.2g}: coordinates would not stand for spectra")
+    return vectors
+
+
+def _white(system: LinearSystem, palette: Palette) -> Spectrum | None:
+    lit = any(palette[name].any() for name in system.lights if name in palette)
+    return Reference(key_light(system, palette)).white(system, palette) if lit else None
