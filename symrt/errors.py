@@ -6,9 +6,8 @@ Both sides of the waist read files, so this stands at the bottom of the house.
 import difflib
 import re
 from collections.abc import Iterable
-from pathlib import Path, PurePosixPath, PureWindowsPath
 
-__all__ = ["NAME", "SceneError", "inside", "refuse", "shown", "suggestion"]
+__all__ = ["NAME", "SceneError", "refuse", "shown", "suggestion"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called (DESIGN, Scenes)."""
@@ -78,37 +77,3 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     if near:
         return f"did you mean {near[0]!r}?"
     return f"there are {', '.join(map(repr, known))}" if known else "there are none"
-
-
-def inside(folder: Path, file: str | Path) -> Path:
-    r"""The path of a file that a scene names, which must stay inside the scene's folder.
-
-    Raises
-    ------
-    ValueError
-        If the path is absolute, climbs with ``..``, leaves the folder by a symbolic link, or names no file.
-
-    Examples
-    --------
-    >>> inside(Path("/scenes"), "../secret.obj")
-    Traceback (most recent call last):
-    ValueError: '../secret.obj' leaves the scene's folder: give a path inside it, without '..'
-    """
-    name = str(file)
-    posix, windows = PurePosixPath(name), PureWindowsPath(name)
-    if not name or "\0" in name:
-        raise ValueError(f"{shown(name)} is not a file name: give a path inside the scene's folder")
-    if posix.is_absolute() or windows.drive or windows.root:
-        raise ValueError(f"{shown(name)} is an absolute path: give one relative to the scene's folder")
-    if ".." in posix.parts or ".." in windows.parts:
-        raise ValueError(f"{shown(name)} leaves the scene's folder: give a path inside it, without '..'")
-    try:
-        path = (folder / name).resolve()
-        here = path.is_file()
-    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead in a circle, before Python 3.13
-        raise ValueError(f"{shown(name)} cannot be read ({error}): give a path inside the scene's folder") from None
-    if not path.is_relative_to(folder.resolve()):
-        raise ValueError(f"{shown(name)} is a link out of the scene's folder: copy the file into it")
-    if not here:
-        raise ValueError(f"{shown(name)} does not exist in the scene's folder: correct the name or add the file")
-    return path
