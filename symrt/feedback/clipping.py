@@ -31,6 +31,8 @@ SAFE = 2.0**200
 """Differences and quotients of numbers between 1/SAFE and SAFE neither overflow nor vanish."""
 TINY = 2.0**-600
 """An origin that is not zero and smaller than this may make a quotient vanish."""
+STEPS = 2.0**-1072
+"""Below the normal numbers an error of 4u is not relative; four of the smallest steps there cover it."""
 
 Lines = Float[np.ndarray, "pixel slab"]
 Bounds = Float[np.ndarray, " slab"]
@@ -183,9 +185,8 @@ def _unscaled(
     ends: Lines, exponent: Int[np.ndarray, "pixel slab"], inward: float
 ) -> tuple[Lines, Bool[np.ndarray, "pixel slab"]]:
     values = np.ldexp(ends, exponent)
-    # Below the normal numbers an error of 4u is no longer relative: four of the smallest steps cover it.
     vanished = (np.abs(values) < np.finfo(float).tiny) & (ends != 0)
-    values = np.where(vanished, values + 4 * np.copysign(np.nextafter(0, 1), inward), values)
+    values = np.where(vanished, values + np.copysign(STEPS, inward), values)
     burst = np.isfinite(ends) & np.isinf(values)
     values = np.where(burst, np.nextafter(values, inward), values)
     return values, burst & np.isinf(values)
@@ -202,11 +203,11 @@ def _certified(
     """Move the ends inwards; where that empties an interval, let exact rationals decide."""
     size = [np.where(np.isfinite(end), INWARD * np.abs(end), 0.0) for end in ends]
     low, high = ends[0] + size[0], ends[1] - size[1]
-    certainly_empty = (ends[0] - size[0] > ends[1] + size[1]) & ~doubtful
+    certainly_empty = (ends[0] - (size[0] + 4 * STEPS) > ends[1] + (size[1] + 4 * STEPS)) & ~doubtful
     uncertain = np.zeros(len(low), dtype=bool)
-    for pixel in np.flatnonzero((low > high) & ~certainly_empty):
+    for pixel in np.flatnonzero(((low > high) & ~certainly_empty) | doubtful):
         low[pixel], high[pixel], uncertain[pixel] = _exact(lower, upper, origin[pixel], direction[pixel])
-    empty = low > high
+    empty = (low > high) | uncertain
     return Interval(np.where(empty, np.inf, low), np.where(empty, -np.inf, high), uncertain)
 
 
@@ -223,11 +224,11 @@ def _exact(lower: Bounds, upper: Bounds, q: Bounds, d: Bounds) -> tuple[float, f
         first, last = (bound_low, bound_high) if direction > 0 else (bound_high, bound_low)
         enter += [(Fraction(first) - Fraction(origin)) / Fraction(direction)] if np.isfinite(first) else []
         leave += [(Fraction(last) - Fraction(origin)) / Fraction(direction)] if np.isfinite(last) else []
-    low, high = max(enter), min(leave)
-    if low > high:
+    if enter and leave and max(enter) > min(leave):
         return np.inf, -np.inf, False
-    first_float, last_float = _float_towards(low, np.inf), _float_towards(high, -np.inf)
-    return first_float, last_float, first_float > last_float
+    low = _float_towards(max(enter), np.inf) if enter else -np.inf
+    high = _float_towards(min(leave), -np.inf) if leave else np.inf
+    return low, high, low > high or low == np.inf or high == -np.inf
 
 
 def _float_towards(value: Fraction, side: float) -> float:
@@ -235,7 +236,7 @@ def _float_towards(value: Fraction, side: float) -> float:
     try:
         nearest = float(value)
     except OverflowError:
-        nearest = float(np.copysign(np.inf, value))
+        nearest = np.inf if value > 0 else -np.inf
     wrong_side = nearest < value if side > 0 else nearest > value
     return float(np.nextafter(nearest, side)) if wrong_side else nearest
 
@@ -267,7 +268,9 @@ def _check_bounds(lower: Bounds, upper: Bounds) -> None:
     wrong = ~(lower <= upper) | (lower == np.inf) | (upper == -np.inf)
     if wrong.any():
         slab = int(np.argmax(wrong))
-        raise ValueError(f"slab {slab} is [{lower[slab]}, {upper[slab]}]: give a lower bound that is not above the upper")
+        raise ValueError(
+            f"slab {slab} is [{lower[slab]}, {upper[slab]}]: give a lower bound that is not above the upper"
+        )
 
 
 def _check_finite(origin: Lines, direction: Lines, pixels: Int[np.ndarray, " pixel"]) -> None:
