@@ -1,0 +1,190 @@
+"""Gamuts made of slabs, pairs of parallel planes: step 4 of the paper, equation (1).
+
+A reflectance is inside when ``lower <= r(λ) <= upper`` in every band; with ``black="luminance"`` one more slab bounds
+its luminance from below.  The set is convex.  Being inside is *necessary* for a print and not sufficient: three dyes
+reach a thin, curved part of it.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from symrt.arrays import Spectrum
+from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.inks import Device
+from symrt.gamut.views import Shadow, Slice
+from symrt.spectra.bands import Bands
+from symrt.spectra.display import luminance_weights
+
+__all__ = ["Black", "Gamut", "Model", "device_gamut"]
+
+Model = Literal["unit", "envelope"]
+Black = Literal["clip", "luminance", "strict"]
+Spectra = Float[np.ndarray, "pixel band"]
+BISECTIONS = 80
+
+
+@dataclass(frozen=True, eq=False)
+class Gamut:
+    """The reflectances that a device may be able to print.
+
+    Parameters
+    ----------
+    model
+        ``"unit"``: what no reflectance can leave; ``"envelope"``: what no print of the device leaves, band by band.
+    black
+        What becomes of the dark.  ``"clip"``: it prints as the device's black, the lower bound is 0.  ``"luminance"``:
+        the luminance is at least that of the device's black.  ``"strict"``: no band below its lowest in any print.
+    device
+        The printer.
+    lower, upper
+        Bounds of the reflectance in each band.
+    weights
+        Of each band in the luminance, for ``black="luminance"``; they sum to 1.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> gamut.contains(np.full((2, 36), [[0.5], [0.95]]))
+    array([ True, False])
+    """
+
+    model: Model
+    black: Black
+    device: Device
+    lower: Spectrum
+    upper: Spectrum
+    weights: Spectrum | None = None
+
+    label = "necessary"
+    """What being inside proves."""
+
+    @property
+    def name(self) -> str:
+        """The gamut in words."""
+        kept = {"clip": "black clipped", "luminance": "black's luminance kept", "strict": "black kept in every band"}
+        what = {"unit": "unit gamut (0 … 1)", "envelope": f"envelope of {self.device.name}"}[self.model]
+        return f"{what}, {kept[self.black]}"
+
+    @property
+    def bands(self) -> Bands:
+        """Wavelengths of its spectra."""
+        return self.device.bands
+
+    @cached_property
+    def basis(self) -> Basis:
+        """The device's basis, constant spectrum first."""
+        return uniform_first(self.device.samples)
+
+    @property
+    def blackest(self) -> float:
+        """The lowest luminance that the device prints, of a white's 1."""
+        return 0.0 if self.weights is None else float((self.device.samples @ self.weights).min())
+
+    def under(self, white: Spectrum) -> "Gamut":
+        """The same gamut seen under a light: what is the luminance of a reflectance depends on it."""
+        if self.weights is None:
+            return self
+        weights = luminance_weights(self.bands) * white
+        return replace(self, weights=weights / weights.sum())
+
+    def contains(self, spectra: Spectra) -> Bool[np.ndarray, " pixel"]:
+        """Whether each spectrum is inside; the boundary is."""
+        inside = np.all((self.lower <= spectra) & (spectra <= self.upper), axis=1)
+        return inside if self.weights is None else inside & (spectra @ self.weights >= self.blackest)
+
+    def violation(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
+        """How far each spectrum is outside in its worst band, or in luminance; 0 inside."""
+        worst = np.maximum(self.lower - spectra, spectra - self.upper).max(axis=1).clip(min=0.0)
+        return worst if self.weights is None else np.maximum(worst, self.blackest - spectra @ self.weights)
+
+    def support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
+        """The largest inner product of each direction with a spectrum of the gamut.
+
+        With a bound on luminance it is the least of ``h(d + μ y) − μ Y_black`` over μ >= 0, h the support of the box;
+        that is convex and bends only where a component of ``d + μ y`` changes sign.
+        """
+        if self.weights is None:
+            return self._box_support(directions)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bends = np.nan_to_num(np.maximum(-directions / self.weights, 0), nan=0.0, posinf=0.0)
+        values = [
+            self._box_support(directions + mu[:, None] * self.weights) - mu * self.blackest
+            for mu in (*bends.T, np.zeros(len(directions)))
+        ]
+        return np.min(values, axis=0)
+
+    def nearest(self, spectra: Spectra) -> Spectra:
+        """The spectrum of the gamut that is nearest to each, by root mean square."""
+        boxed = np.clip(spectra, self.lower, self.upper)
+        if self.weights is None:
+            return boxed
+        dark = boxed @ self.weights < self.blackest
+        boxed[dark] = self._lifted(spectra[dark], self.weights)
+        return boxed
+
+    def slice(self, k: int) -> Slice:
+        """The cut through the gamut: coordinates whose spectra, all others zero, are inside."""
+        return Slice(self.basis.vectors[:k], self.lower, self.upper)
+
+    def shadow(self, k: int) -> Shadow:
+        """The projection of the gamut: the first k coordinates of all its spectra, luminance's bound left out."""
+        return Shadow(self.basis.vectors[:k], self.lower, self.upper)
+
+    def _box_support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
+        return np.where(directions > 0, directions * self.upper, directions * self.lower).sum(axis=1)
+
+    def _lifted(self, spectra: Spectra, weights: Spectrum) -> Spectra:
+        """Spectra clipped to the box after just as much of `weights` is added as black's luminance needs."""
+        low, high = np.zeros(len(spectra)), np.full(len(spectra), 1.0)
+        reach = (self.upper - spectra).max(axis=1, initial=0.0) / weights[weights > 0].min()
+        high = np.maximum(high, reach)
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            enough = np.clip(spectra + middle[:, None] * weights, self.lower, self.upper) @ weights >= self.blackest
+            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+        return np.clip(spectra + high[:, None] * weights, self.lower, self.upper)
+
+    def __repr__(self) -> str:
+        modelled = " (modelled)" if self.device.modelled else ""
+        return f"Gamut({self.name}{modelled}; inside is {self.label}, not sufficient)"
+
+
+def device_gamut(device: Device, model: Model | str = "unit", black: Black | str = "clip") -> Gamut:
+    """The gamut of a device.
+
+    Parameters
+    ----------
+    device
+        From `load_device`.
+    model, black
+        See `Gamut`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such model, or no such way with black.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> device_gamut(load_device("dye3-endura-premier"), "envelope", black="strict")
+    Gamut(envelope of dye3-endura-premier, black kept in every band (modelled); inside is necessary, not sufficient)
+    """
+    if model not in ("unit", "envelope"):
+        raise ValueError(f"model = {model!r}: there are 'unit' and 'envelope'")
+    if black not in ("clip", "luminance", "strict"):
+        raise ValueError(f"black = {black!r}: there are 'clip', 'luminance' and 'strict'")
+    bands = len(device.bands)
+    return Gamut(
+        model=model,
+        black=black,
+        device=device,
+        lower=device.black if black == "strict" else np.zeros(bands),
+        upper=device.white if model == "envelope" else np.ones(bands),
+        weights=luminance_weights(device.bands) if black == "luminance" else None,
+    )
