@@ -18,7 +18,7 @@ from symrt.spectra.bands import Bands, Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.library import colour_science, spectrum
 
-__all__ = ["clipped", "display_matrix", "encode", "luminance_weights", "to_rgb", "to_rgb8"]
+__all__ = ["clipped", "display_matrix", "encode", "linear_rgb", "luminance_weights", "to_rgb", "to_rgb8"]
 
 CELLS = 1 << 16
 """Cells of the table that encodes to 8 bits; none holds two of the 255 thresholds."""
@@ -46,7 +46,23 @@ def to_rgb(
     >>> to_rgb(image).round(3).tolist()
     [[[1.0, 0.735, 0.0]]]
     """
-    return encode(_linear(image, exposure, reference))
+    return encode(linear_rgb(image, exposure, reference))
+
+
+def linear_rgb(
+    image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None
+) -> Float[np.ndarray, "height width 3"]:
+    """The image in linear sRGB, not clipped: below 0 or above 1 where a screen cannot follow."""
+    if image.bands.kind == "coordinate":
+        raise ValueError("the image holds basis coordinates: shade it without basis= to see it")
+    if not (np.isfinite(exposure) and exposure > 0):
+        raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
+    white = image.white if reference is None or isinstance(reference, str) else reference
+    if white is None:
+        raise ValueError("the image has no reference white, since no light shines in it: give reference=")
+    if isinstance(reference, str):
+        white = of_same_luminance(reference, white, image.bands)
+    return image.values @ (exposure * display_matrix(image.bands, white))
 
 
 def clipped(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None) -> float:
@@ -58,7 +74,7 @@ def clipped(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | 
     >>> clipped(SpectralImage(np.array([[[1.0, 0.5, 0.0], [1.5, 1, 1]]]), RGB, white=np.ones(3)))
     0.5
     """
-    linear = _linear(image, exposure, reference)
+    linear = linear_rgb(image, exposure, reference)
     # White itself may come out a few ulp above 1.
     return float(np.mean(((linear < -1e-9) | (linear > 1 + 1e-9)).any(axis=-1)))
 
@@ -135,19 +151,6 @@ def to_rgb8(linear: Float[np.ndarray, "*pixel 3"]) -> UInt8[np.ndarray, "*pixel 
     undecided = np.flatnonzero(codes == UNDECIDED)
     codes[undecided] = np.searchsorted(thresholds, x[undecided], side="right")
     return codes.astype(np.uint8).reshape(linear.shape)
-
-
-def _linear(image: SpectralImage, exposure: Number, reference: Spectrum | str | None) -> Float[np.ndarray, "h w 3"]:
-    if image.bands.kind == "coordinate":
-        raise ValueError("the image holds basis coordinates: shade it without basis= to see it")
-    if not (np.isfinite(exposure) and exposure > 0):
-        raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
-    white = image.white if reference is None or isinstance(reference, str) else reference
-    if white is None:
-        raise ValueError("the image has no reference white, since no light shines in it: give reference=")
-    if isinstance(reference, str):
-        white = of_same_luminance(reference, white, image.bands)
-    return image.values @ (exposure * display_matrix(image.bands, white))
 
 
 @cache

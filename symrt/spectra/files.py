@@ -1,12 +1,119 @@
-"""Write images to files, after step 3 of the paper: PNG for the eye, float TIFF and ``.npz`` for further work."""
+"""Write images to files, after step 3 of the paper: PNG for the eye; float TIFF, ``.npz`` and OpenEXR for further work.
+
+References
+----------
+A. Fichet, R. Pacanowski and A. Wilkie, "An OpenEXR Layout for Spectral Images", JCGT 10(3), 2021.
+"""
+
+import importlib
+import json
+from collections.abc import Callable
+from pathlib import Path
 
 import imageio.v3 as imageio
 import numpy as np
+from jaxtyping import UInt8
 
-from symrt.spectra.display import to_rgb
+from symrt.arrays import Spectrum
+from symrt.spectra.bands import Number
+from symrt.spectra.display import linear_rgb, to_rgb8
 from symrt.spectra.image import SpectralImage
 
+__all__ = ["encode_png", "png_bytes", "save_image"]
 
-def png_bytes(image: SpectralImage) -> bytes:
-    """The image as an 8-bit sRGB PNG."""
-    return imageio.imwrite("<bytes>", np.rint(255 * to_rgb(image)).astype(np.uint8), extension=".png")
+
+def save_image(
+    path: str | Path, image: SpectralImage, *, exposure: Number = 1.0, reference: Spectrum | str | None = None
+) -> None:
+    """Write an image to a file, whole or not at all; the name's ending chooses the format.
+
+    ``.png`` is the picture in 8-bit sRGB, seen as `to_rgb` sees it.  The others hold what `shade` computed, and take no
+    exposure: ``.npz`` exactly, with bands, white and cut-off beside the values; ``.tif`` and ``.exr`` in float32.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from symrt.spectra.bands import RGB
+    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, white=np.ones(3))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_image(Path(folder) / "red.png", image)
+    ...     imageio.imread(Path(folder) / "red.png").tolist()
+    [[[255, 188, 0]]]
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending not in (".png", *WRITERS):
+        raise ValueError(f"{path}: {ending or 'no ending'!r} is not a format: use .png, .tif, .npz or .exr")
+    if ending != ".png" and (exposure != 1 or reference is not None):
+        raise ValueError(f"{path}: exposure and reference are for pictures; {ending} holds the radiances as they are")
+    partial = path.with_name(path.name + ".partial")
+    try:
+        if ending == ".png":
+            partial.write_bytes(png_bytes(image, exposure, reference))
+        else:
+            WRITERS[ending](partial, image)
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def png_bytes(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None) -> bytes:
+    """The picture as an 8-bit sRGB PNG."""
+    return encode_png(to_rgb8(linear_rgb(image, exposure, reference)))
+
+
+def encode_png(codes: UInt8[np.ndarray, "height width 3"]) -> bytes:
+    """8-bit sRGB, such as a `preview`, as a PNG."""
+    return imageio.imwrite("<bytes>", codes, extension=".png")
+
+
+def _write_npz(path: Path, image: SpectralImage) -> None:
+    arrays = {
+        "values": image.values,
+        "bands": np.array(image.bands.centres, dtype=np.float64),
+        "kind": np.array(image.bands.kind),
+    }
+    arrays |= {name: a for name, a in (("white", image.white), ("cut_off", image.cut_off)) if a is not None}
+    with path.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def _write_tiff(path: Path, image: SpectralImage) -> None:
+    description = json.dumps({"bands": image.bands.centres, "kind": image.bands.kind})
+    colour = "rgb" if image.bands.kind == "rgb" else "minisblack"
+    options = {"plugin": "tifffile", "extension": ".tif", "photometric": colour, "planarconfig": "contig"}
+    path.write_bytes(imageio.imwrite("<bytes>", _single(image), description=description, metadata=None, **options))
+
+
+def _write_exr(path: Path, image: SpectralImage) -> None:
+    try:
+        exr = importlib.import_module("OpenEXR")
+    except ImportError:
+        raise ValueError(f"{path}: OpenEXR files need the extra: pip install 'symrt[exr]', or save as .npz") from None
+    if image.bands.kind == "coordinate":
+        raise ValueError(f"{path}: OpenEXR has no layout for basis coordinates: save them as .npz or .tif")
+    # S0 is emission, the radiance; the layout writes the decimal point as a comma.
+    spectral = image.bands.kind == "wavelength"
+    names = ["S0." + f"{c:.3f}nm".replace(".", ",") for c in image.bands.centres] if spectral else "RGB"
+    header = {"compression": exr.ZIP_COMPRESSION, "type": exr.scanlineimage}
+    if spectral:
+        header |= {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1"}
+    planes = np.moveaxis(_single(image), -1, 0)
+    channels = {name: np.ascontiguousarray(plane) for name, plane in zip(names, planes, strict=True)}
+    with exr.File(header, channels) as file:
+        file.write(str(path))
+
+
+def _single(image: SpectralImage) -> np.ndarray:
+    largest = float(np.abs(image.values).max(initial=0.0))
+    if largest > float(np.finfo(np.float32).max):
+        raise ValueError(f"the image reaches {largest:.3g}, more than float32 holds: save it as .npz")
+    return image.values.astype(np.float32)
+
+
+WRITERS: dict[str, Callable[[Path, SpectralImage], None]] = {
+    ".npz": _write_npz,
+    ".tif": _write_tiff,
+    ".tiff": _write_tiff,
+    ".exr": _write_exr,
+}

@@ -144,7 +144,7 @@ def _linear_srgb(nm: Float[np.ndarray, " n"], values: Float[np.ndarray, " n"]) -
     return np.asarray(colour.models.RGB_COLOURSPACE_sRGB.matrix_XYZ_to_RGB @ xyz)
 
 
-def colour_science() -> Any:  # noqa: ANN401  # colour puts an object without types in its module's place
+def colour_science() -> Any:  # colour puts an object without types in its module's place
     """The colour-science package, imported when first needed: it takes a second, and changes NumPy's print options."""
     with np.printoptions(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
