@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
+from symrt.errors import NAME, shown
 from symrt.spectra.bands import Bands, resample
 from symrt.spectra.library import spectrum as library_spectrum
 
@@ -25,8 +26,7 @@ SpectrumLike = (
 )
 """An array or list with one value a band, a number for all bands, or a name such as ``macbeth/dark skin``."""
 
-NAME = "[A-Za-z][A-Za-z0-9_]*"
-SYMBOL = re.compile(rf"{NAME}((>{NAME})?\.{NAME})?")
+SYMBOL = re.compile(rf"{NAME.pattern}((>{NAME.pattern})?\.{NAME.pattern})?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,9 +163,12 @@ def did_you_mean(wrong: Iterable[str], right: Iterable[str]) -> str:
 def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> Spectrum:
     """A read-only array for one symbol, or the one-line reason why there is none."""
     if not SYMBOL.fullmatch(name):
-        raise ValueError(f"{name!r}: a symbol is a light's name, or material.component; letters, digits, '_'")
+        raise ValueError(f"{shown(name)}: a symbol is a light's name, or material.component; letters, digits, '_'")
     given = library_spectrum(value, bands, reflectance=is_reflectance(name)) if isinstance(value, str) else value
-    array = np.array(given, dtype=np.float64)
+    try:
+        array = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name!r} = {shown(given)}: give numbers, one a band or one for all") from None
     if array.ndim == 0:
         array = np.full(len(bands), array)
     if array.shape != (len(bands),):

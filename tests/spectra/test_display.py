@@ -76,7 +76,7 @@ def test_the_reference_white_is_the_screen_s_white(white):
 
 
 def test_macbeth_s_published_srgb_values_come_out():
-    # BabelColor, "RGB coordinates of the Macbeth ColorChecker", 2012, table of 8-bit sRGB (D50 adapted), ± 10 codes.
+    # D. Pascale, "RGB coordinates of the Macbeth ColorChecker", BabelColor, 2006: another chart, under D50; ± 10 codes.
     published = {"dark skin": (115, 82, 68), "foliage": (87, 108, 67), "red": (175, 54, 60), "yellow": (231, 199, 31)}
     white = spectrum("illuminant/D65", BANDS)
     for patch, codes in published.items():

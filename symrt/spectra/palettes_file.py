@@ -1,0 +1,261 @@
+"""Palettes in files: the half of a scene file that step 3 of the paper reads, and the other half's reader ignores.
+
+```toml
+[palettes.plain]
+bands = [380, 730, 10]                # first, last and step in nm, or "rgb", or { centres = [ … ] }
+sun = "illuminant/D65"                # a name of the library
+sky = { spectrum = "illuminant/D65", scale = 0.3 }
+"red.diffuse" = { rgb = [0.8, 0.1, 0.1] }
+"red.specular" = 0.04                 # the same in all bands; or a list, one value a band
+"gold.specular" = { file = "gold.csv" }   # two columns, nm and value, in the scene's folder
+unphysical = true                     # permits reflectances above 1
+```
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeGuard
+
+import numpy as np
+import tomli_w
+from jaxtyping import Float
+
+from symrt.errors import NAME, SceneError, refuse, shown, suggestion
+from symrt.reading import inside, number_faults, read_toml, scene_path
+from symrt.spectra.bands import RGB, Bands, resample, wavelengths
+from symrt.spectra.library import from_rgb, spectrum
+from symrt.spectra.palette import Palette, SpectrumLike, is_reflectance
+
+__all__ = ["load_palettes", "save_palettes"]
+
+SOURCES = ("spectrum", "rgb", "file")
+LARGEST_TABLE = 1 << 20
+"""Bytes that a file with one spectrum may have."""
+
+
+def load_palettes(path: str | Path) -> dict[str, Palette]:
+    r"""The palettes of a file, by name; nothing else in the file is looked at.
+
+    Raises
+    ------
+    SceneError
+        With a line for everything that is wrong: the file, the key, the rule and the remedy.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "a.toml"
+    ...     _ = file.write_text('[palettes.plain]\nbands = "rgb"\nsun = 1.0\n"red.diffuse" = [0.8, 0.1, 0.1]')
+    ...     load_palettes(file)
+    {'plain': Palette(RGB, sun, red.diffuse)}
+    """
+    path = scene_path(path)
+    tables = read_toml(path).get("palettes")
+    if not isinstance(tables, dict) or not tables:
+        raise SceneError(f"{path}: palettes: there are none; add a table [palettes.plain] with bands and spectra")
+    faults = [f"{path}: {key} {fault}" for key, fault in number_faults({"palettes": tables})]
+    if faults:
+        raise SceneError("\n".join(faults))
+    palettes = {}
+    for name, table in tables.items():
+        try:
+            palettes[name] = _palette(name, table, path.parent)
+        except ValueError as error:
+            faults += [f"{path}: palettes.{name if NAME.fullmatch(name) else shown(name)}: {e}" for e in _lines(error)]
+    if faults:
+        raise SceneError("\n".join(faults))
+    return palettes
+
+
+def save_palettes(path: str | Path, palettes: Mapping[str, Palette]) -> None:
+    """Write palettes to a file of their own, whole or not at all; `load_palettes` gives the same bits back.
+
+    Raises
+    ------
+    ValueError
+        If a name is not one, or the file holds something else too, which would be lost.
+    """
+    path = Path(path)
+    if wrong := [name for name in palettes if not NAME.fullmatch(name)]:
+        raise ValueError(f"{shown(wrong[0])} cannot name a palette: a letter, then letters, digits and '_'")
+    if path.exists() and set(read_toml(path)) - {"palettes"}:
+        raise ValueError(f"{path} holds a scene too, which would be lost: save the palettes to a file of their own")
+    text = tomli_w.dumps({"palettes": {name: _table(palette) for name, palette in palettes.items()}})
+    partial = path.with_name(path.name + ".partial")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _palette(name: str, table: object, folder: Path) -> Palette:
+    """One palette, or a ValueError with a line for each fault."""
+    if not NAME.fullmatch(name):
+        raise SceneError("not a name: a letter, then letters, digits and '_'")
+    if not isinstance(table, dict):
+        raise SceneError(f"= {shown(table)}: a palette is a table [palettes.{name}] with bands and spectra")
+    bands = _bands(table.get("bands"))
+    unphysical = table.get("unphysical", False)
+    if not isinstance(unphysical, bool):
+        raise SceneError(f"unphysical = {shown(unphysical)}: write true or false")
+    spectra, faults = _spectra(table, bands, folder)
+    try:
+        palette = Palette(bands, spectra, unphysical)
+    except ValueError as error:
+        refuse([*faults, *_lines(error)])
+        raise
+    refuse(faults)
+    return palette
+
+
+def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict[str, SpectrumLike], list[str]]:
+    """What a palette takes for each symbol, and a line for each symbol that says nothing usable."""
+    spectra: dict[str, SpectrumLike] = {}
+    faults = []
+    for symbol, value in _symbols(table):
+        if symbol in spectra:
+            faults.append(f"{_quoted(symbol)} is given twice, with quotes and without: keep one")
+            continue
+        try:
+            spectra[symbol] = _spectrum(symbol, value, bands, folder)
+        except ValueError as error:
+            faults += [f"{_quoted(symbol)} = {shown(value)}: {line}" for line in _lines(error)]
+    return spectra, faults
+
+
+def _bands(value: object) -> Bands:
+    if value == "rgb":
+        return RGB
+    centres = value.get("centres") if isinstance(value, dict) and set(value) == {"centres"} else None
+    if isinstance(centres, list) and all(map(_is_number, centres)):
+        return Bands(tuple(map(float, centres)))
+    if isinstance(value, list) and len(value) == 3 and all(map(_is_number, value)):
+        return wavelengths(*value)
+    what = "missing" if value is None else f"= {shown(value)}"
+    raise SceneError(f'bands {what}: give first, last and step in nm, such as [380, 730, 10], or "rgb"')
+
+
+def _symbols(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Symbols and values; ``red.diffuse`` without quotes is the same, although TOML reads a table in a table."""
+    for key, value in table.items():
+        if key in ("bands", "unphysical"):
+            continue
+        if isinstance(value, dict) and value and not set(value) & {*SOURCES, "scale"}:
+            yield from ((f"{key}.{component}", inner) for component, inner in value.items())
+        else:
+            yield key, value
+
+
+def _spectrum(symbol: str, value: object, bands: Bands, folder: Path) -> SpectrumLike:
+    """What a palette takes for a symbol; everything a file may say is checked here, and only here."""
+    if isinstance(value, str):
+        return spectrum(value, bands, reflectance=is_reflectance(symbol))
+    if _is_number(value):
+        return float(value)
+    if isinstance(value, list):
+        return _numbers(value, len(bands))
+    if not isinstance(value, dict):
+        raise SceneError('not a spectrum; write a number, a list, a name such as "macbeth/red", or { file = "a.csv" }')
+    if unknown := sorted(set(value) - {*SOURCES, "scale"}):
+        raise SceneError(f"no key {shown(unknown[0])}: {suggestion(unknown[0], (*SOURCES, 'scale'))}")
+    if len(set(value) & set(SOURCES)) != 1:
+        raise SceneError("give one of spectrum, rgb and file, and a scale if you like")
+    scale = value.get("scale", 1.0)
+    if not _is_number(scale) or scale < 0:
+        raise SceneError(f"scale = {shown(scale)}: it must be a number, 0 or more")
+    return _from_source(symbol, value, bands, folder) * float(scale)
+
+
+def _from_source(symbol: str, value: dict[str, Any], bands: Bands, folder: Path) -> Float[np.ndarray, " band"]:
+    if "rgb" in value:
+        rgb = _numbers(value["rgb"] if isinstance(value["rgb"], list) else [], 3)
+        return from_rgb(rgb, bands, reflectance=is_reflectance(symbol))
+    source = value.get("spectrum", value.get("file"))
+    if not isinstance(source, str):
+        raise SceneError(f"{shown(source)} is not a name: write it in quotes")
+    if "spectrum" in value:
+        return spectrum(source, bands, reflectance=is_reflectance(symbol))
+    nm, values = _read_table(inside(folder, source), source)
+    return resample(nm, values, bands, source)
+
+
+def _read_table(path: Path, name: str) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
+    """Two columns of numbers, nm and value; a first line of words and lines that begin with # are passed over."""
+    if path.stat().st_size > LARGEST_TABLE:
+        raise SceneError(f"{name} is larger than {LARGEST_TABLE >> 20} MiB: a spectrum is two columns, nm and value")
+    try:
+        lines = path.read_bytes().decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8 text") from None
+    rows: list[tuple[float, float]] = []
+    for number, line in enumerate(lines, start=1):
+        fields = line.replace(",", " ").replace(";", " ").split()
+        if not fields or fields[0].startswith("#"):
+            continue
+        try:
+            nm, value = map(float, fields)
+        except ValueError:
+            if not rows and not any(map(_reads_as_number, fields)):
+                continue
+            raise SceneError(f"{name}, line {number}: {shown(line)} is not two numbers, nm and value") from None
+        rows.append((nm, value))
+    if len(rows) < 2:
+        raise SceneError(f"{name} has {len(rows)} samples: a spectrum needs two or more lines of nm and value")
+    table = np.array(rows)
+    return table[:, 0], table[:, 1]
+
+
+def _table(palette: Palette) -> dict[str, Any]:
+    if palette.bands == RGB:
+        bands: Any = "rgb"
+    else:
+        bands = _evenly(palette.bands) or {"centres": [float(c) for c in palette.bands.centres]}
+    spectra = {name: float(s[0]) if np.all(s == s[0]) else s.tolist() for name, s in _arrays(palette)}
+    return {"bands": bands, **({"unphysical": True} if palette.unphysical else {}), **spectra}
+
+
+def _arrays(palette: Palette) -> Iterator[tuple[str, Float[np.ndarray, " band"]]]:
+    return ((name, palette[name]) for name in palette)
+
+
+def _evenly(bands: Bands) -> list[float] | None:
+    """First, last and step, if exactly these bands come back from them."""
+    if len(bands) < 2:
+        return None
+    first, last, step = float(bands.centres[0]), float(bands.centres[-1]), float(bands.centres[1] - bands.centres[0])
+    steps = (last - first) / step
+    same = steps == round(steps) and wavelengths(first, last, step) == bands
+    return [first, last, step] if same else None
+
+
+def _numbers(values: list[Any], count: int) -> Float[np.ndarray, " number"]:
+    if not all(map(_is_number, values)):
+        wrong = next(v for v in values if not _is_number(v))
+        raise SceneError(f"{shown(wrong)} is not a number: a list holds one number a band")
+    if len(values) != count:
+        raise SceneError(f"{len(values)} values where {count} belong: give one a band, or one number for all")
+    return np.array(values, dtype=float)
+
+
+def _is_number(value: object) -> TypeGuard[float | int]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _reads_as_number(field: str) -> bool:
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return True
+
+
+def _quoted(symbol: str) -> str:
+    return json.dumps(symbol[:80], ensure_ascii=False)
+
+
+def _lines(error: ValueError) -> list[str]:
+    return str(error).splitlines()
