@@ -6,6 +6,7 @@ name of each column.  What made G knows no spectrum; what uses it knows no shape
 
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +22,7 @@ FORMAT = "symrt-system"
 VERSION = 1
 LARGEST_MEMBER = 8 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
+MOST_NODES = 256
 
 
 @dataclass(frozen=True, order=True)
@@ -74,6 +76,15 @@ class Nodes:
     high: float
     count: int
     scale: Literal["linear", "log"] = "log"
+
+    def __post_init__(self) -> None:
+        given = f"nodes of {self.parameter}: {self.count} in [{self.low}, {self.high}], {self.scale}"
+        if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
+            raise ValueError(f"{given}: give a finite range, low below high")
+        if self.scale not in ("linear", "log") or (self.scale == "log" and self.low <= 0):
+            raise ValueError(f"{given}: the scale is 'linear', or 'log' for a range above 0")
+        if not 1 <= self.count <= MOST_NODES:
+            raise ValueError(f"{given}: give 1 to {MOST_NODES} nodes")
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -243,12 +254,12 @@ def load_system(path: str | Path) -> LinearSystem:
         interactions = _interactions(header["interactions"])
         tail = _interactions(header["tail"])
         pixels = int(header["height"]) * int(header["width"])
-        return LinearSystem(
+        system = LinearSystem(
             G=_matrix(arrays, "G", pixels, len(interactions)),
             interactions=interactions,
             height=int(header["height"]),
             width=int(header["width"]),
-            white={str(k): float.fromhex(v) for k, v in header["white"].items()},
+            white={str(k): _finite(float.fromhex(v)) for k, v in header["white"].items()},
             models={str(k): str(v) for k, v in header["models"].items()},
             parameters={
                 name: Nodes(name, float.fromhex(low), float.fromhex(high), int(count), scale)
@@ -257,26 +268,50 @@ def load_system(path: str | Path) -> LinearSystem:
             tail=Tail(_matrix(arrays, "tail", pixels, len(tail)), tail) if tail else None,
             seconds={str(k): float(v) for k, v in header["seconds"].items()},
         )
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise ValueError(f"{path}: not a whole symrt system ({error}); render the scene and save it again") from error
+        _check_nodes(system)
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
+        raise _damaged(Path(path), error) from error
+    return system
 
 
 def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     try:
-        with zipfile.ZipFile(path) as archive:
-            too_large = [info.filename for info in archive.infolist() if info.file_size > LARGEST_MEMBER]
-        if too_large:
-            raise ValueError(f"{path}: {too_large[0]} claims more than {LARGEST_MEMBER >> 30} GiB; it is not read")
+        _check_sizes(path)
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         header = json.loads(arrays.pop("header").tobytes())
     except FileNotFoundError:
         raise ValueError(f"{path}: no such file; save a system with save_system first") from None
-    except (zipfile.BadZipFile, KeyError, EOFError, OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise ValueError(f"{path}: not a whole symrt system ({error}); render the scene and save it again") from error
+    except (zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, ValueError, RecursionError) as error:
+        raise _damaged(path, error) from error
     if not isinstance(header, dict) or header.get("format") != FORMAT or header.get("version") != VERSION:
         raise ValueError(f"{path}: not a symrt system of version {VERSION}; render the scene and save it again")
     return arrays, header
+
+
+def _check_sizes(path: Path) -> None:
+    with zipfile.ZipFile(path) as archive:
+        for info in archive.infolist():
+            if info.file_size > LARGEST_MEMBER:
+                raise ValueError(f"{info.filename} claims more than {LARGEST_MEMBER >> 30} GiB and is not read")
+
+
+def _damaged(path: Path, error: Exception) -> ValueError:
+    reason = " ".join(str(error).split())[:200]
+    return ValueError(f"{path}: not a whole symrt system ({reason}); render the scene and save it again")
+
+
+def _check_nodes(system: LinearSystem) -> None:
+    for interaction in system.interactions:
+        for name, j in interaction.nodes:
+            if name not in system.parameters or not 0 <= j < system.parameters[name].count:
+                raise ValueError(f"{interaction} names a node that is not there")
+
+
+def _finite(value: float) -> float:
+    if not np.isfinite(value):
+        raise ValueError(f"a white of {value}")
+    return value
 
 
 def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
@@ -288,6 +323,8 @@ def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
 
 def _matrix(arrays: dict[str, np.ndarray], name: str, rows: int, columns: int) -> sparse.csr_array:
     data, indices, indptr = (arrays[f"{name}_{part}"] for part in ("data", "indices", "indptr"))
+    if indices.dtype.kind != "i" or indptr.dtype.kind != "i":
+        raise ValueError(f"the places of {name} are not whole numbers")
     if data.dtype != np.float64 or not np.all(np.isfinite(data)):
         raise ValueError(f"the coefficients of {name} are not finite float64 numbers")
     matrix = sparse.csr_array((data, indices, indptr), shape=(rows, columns))
