@@ -1,1 +1,54 @@
 """Where rays go: shapes, textures and the rays that meet them (step 1)."""
+
+from symrt.geometry.cylinder import Cylinder
+from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
+from symrt.geometry.planes import Disk, Plane, Rectangle
+from symrt.geometry.rays import (
+    Crossing,
+    Hits,
+    Rays,
+    Surface,
+    Triple,
+    clearance,
+    encloses,
+    intersect,
+    nearest,
+    occluded,
+    spawn,
+    surface,
+    surfaces,
+    translate,
+)
+from symrt.geometry.sphere import Sphere
+from symrt.geometry.textures import BandedRelief, Checker, LabelImage, WeightImage, load_texture, weights
+
+__all__ = [
+    "BandedRelief",
+    "Checker",
+    "Crossing",
+    "Cylinder",
+    "Disk",
+    "Hits",
+    "LabelImage",
+    "Mesh",
+    "Plane",
+    "Rays",
+    "Rectangle",
+    "Sphere",
+    "Surface",
+    "TriangleMesh",
+    "Triple",
+    "WeightImage",
+    "clearance",
+    "encloses",
+    "intersect",
+    "load_mesh",
+    "load_texture",
+    "nearest",
+    "occluded",
+    "spawn",
+    "surface",
+    "surfaces",
+    "translate",
+    "weights",
+]

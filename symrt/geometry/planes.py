@@ -1,0 +1,379 @@
+"""Flat shapes (step 1): plane, disk and rectangle, ``n · (origin + t direction − point) = 0``.
+
+At grazing incidence both dot products cancel; they are compensated, which leaves at most 2 ulp in the distance.
+
+Surface coordinates of planes and disks are scene units (extent 1) from the shape's point, along two axes that form a
+right-handed frame with the normal n: the u axis is a × n, normalised, with a = (1, 0, 0) where |n_z| is the largest
+component (or shares that place) and a = (0, 0, 1) otherwise; the v axis is n × u.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross, pair_dot, two_sum
+from symrt.geometry.rays import (
+    ROUNDING,
+    Crossing,
+    Rays,
+    Surface,
+    Triple,
+    clearance,
+    column,
+    encloses,
+    finite,
+    intersect,
+    moved,
+    positive,
+    surface,
+    translate,
+)
+
+__all__ = ["Disk", "Plane", "Rectangle"]
+
+Column = Float[np.ndarray, "3 1"]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """An endless plane through `point`; its normal need not be of unit length.
+
+    Examples
+    --------
+    >>> Plane(point=(0, 0, 0), normal=(0, 1, 0), material="floor").type
+    'plane'
+    """
+
+    point: Triple
+    normal: Triple
+    material: str
+    type: Literal["plane"] = field(default="plane", kw_only=True)
+
+    def __post_init__(self) -> None:
+        finite("plane", point=self.point, normal=self.normal)
+        _has_direction("plane", normal=self.normal)
+
+
+@dataclass(frozen=True)
+class Disk:
+    """A flat disc, its edge included.
+
+    Examples
+    --------
+    >>> Disk(centre=(0, 0, 0), normal=(0, 1, 0), radius=2, material="base").radius
+    2
+    """
+
+    centre: Triple
+    normal: Triple
+    radius: float | int
+    material: str
+    type: Literal["disk"] = field(default="disk", kw_only=True)
+
+    def __post_init__(self) -> None:
+        finite("disk", centre=self.centre, normal=self.normal, radius=self.radius)
+        _has_direction("disk", normal=self.normal)
+        positive("disk", radius=self.radius)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle with full edges and the normal edge_u × edge_v, its border included.
+
+    Its coordinates run from 0 to 1: u along `edge_u` and v along `edge_v`, from the corner
+    centre − edge_u/2 − edge_v/2; the extent is the lengths of the edges.
+
+    Examples
+    --------
+    >>> Rectangle(centre=(0, 0, 0), edge_u=(20, 0, 0), edge_v=(0, 0, -20), material="floor").edge_u
+    (20, 0, 0)
+    """
+
+    centre: Triple
+    edge_u: Triple
+    edge_v: Triple
+    material: str
+    type: Literal["rectangle"] = field(default="rectangle", kw_only=True)
+
+    def __post_init__(self) -> None:
+        finite("rectangle", centre=self.centre, edge_u=self.edge_u, edge_v=self.edge_v)
+        _has_direction("rectangle", edge_u=self.edge_u, edge_v=self.edge_v)
+        u, v = normalise(column(self.edge_u)), normalise(column(self.edge_v))
+        if abs(float(dot(u, v)[0])) > 1e-6:
+            raise ValueError(
+                f"rectangle: edge_u = {self.edge_u} and edge_v = {self.edge_v}: they must be perpendicular"
+            )
+
+
+@intersect.register(Plane)
+def intersect_plane(plane: Plane, rays: Rays, low: float = 0.0) -> Crossing:
+    """Crossing with a plane beyond `low`, within 2 ulp; a ray in the plane misses it.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
+    >>> intersect_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray).distance
+    array([2.5])
+    """
+    return _bounded(column(plane.point), column(plane.normal), rays, low, np.inf, lambda m: np.isfinite(m[0]))
+
+
+@intersect.register(Disk)
+def intersect_disk(disk: Disk, rays: Rays, low: float = 0.0) -> Crossing:
+    """Crossing with a disc beyond `low`.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
+    >>> intersect_disk(Disk((0, 0, 0), (0, 1, 0), 1.0, "base"), ray).distance
+    array([inf])
+    """
+    radius = float(disk.radius)
+    return _bounded(column(disk.centre), column(disk.normal), rays, low, radius, lambda m: dot(m, m) <= radius**2)
+
+
+@intersect.register(Rectangle)
+def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> Crossing:
+    """Crossing with a rectangle beyond `low`.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
+    >>> intersect_rectangle(Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor"), ray).distance
+    array([2.5])
+    """
+
+    def inside(m: Vectors) -> Bool[np.ndarray, " ray"]:
+        u, v = np.abs(_rectangle_coordinates(rectangle, m))
+        return (u <= 0.5) & (v <= 0.5)
+
+    reach = float(np.hypot(np.linalg.norm(rectangle.edge_u), np.linalg.norm(rectangle.edge_v)))
+    return _bounded(column(rectangle.centre), _rectangle_normal(rectangle), rays, low, reach, inside)
+
+
+def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
+    """Signed distance along each ray to a plane, within 2 ulp; nan or infinite where it is parallel.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
+    >>> plane_distance(np.zeros((3, 1)), np.array([[0.0], [1.0], [0.0]]), ray)
+    array([2.5])
+    """
+    offset = two_sum(rays.origin, -point)
+    height, slope = pair_dot(offset, exact(normal))[0], pair_dot(exact(rays.direction), exact(normal))[0]
+    return -height / slope
+
+
+def _bounded(
+    point: Column, normal: Column, rays: Rays, low: float, reach: float, inside: Callable[[Vectors], np.ndarray]
+) -> Crossing:
+    """Crossing with the part of a plane where `inside`, told the offset from `point`, holds: within `reach` of it."""
+    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
+    with np.errstate(all="ignore"):
+        chosen = np.flatnonzero(_possible(point, normal, rays, reach))
+        part = rays[chosen]
+        found = plane_distance(point, normal, part)
+        met = (found > low) & (found < np.inf) & inside((part.origin - point) + found * part.direction)
+    distance[chosen[met]] = found[met]
+    primitive[chosen[met]] = 0
+    return Crossing(distance, primitive)
+
+
+def _possible(point: Column, normal: Column, rays: Rays, reach: float) -> Bool[np.ndarray, " ray"]:
+    """Rays that may meet the plane ahead within `reach` of `point`: plain arithmetic with room for its rounding."""
+    offset = rays.origin - point
+    slope = dot(rays.direction, normal)
+    rough = -dot(offset, normal) / slope
+    x, y, z = (offset[i] + rough * rays.direction[i] for i in range(3))
+    # Where the slope keeps six digits or more, so do the plain distance and position.
+    room = 1e-8 * (np.abs(offset[0]) + np.abs(offset[1]) + np.abs(offset[2]) + np.abs(rough))
+    near = (rough >= -room) & (x * x + y * y + z * z <= (1.001 * reach + room) ** 2)
+    return near | (np.abs(slope) <= 1e-6 * length(normal))
+
+
+@surface.register(Plane)
+def surface_plane(plane: Plane, rays: Rays, distance: PerRay, primitive: Int[np.ndarray, " ray"]) -> Surface:  # noqa: ARG001
+    """Surface of a plane where rays meet it.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [3.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
+    >>> surface_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T.tolist()
+    [[0.0, 3.0]]
+    """
+    return flat_surface(column(plane.point), column(plane.normal), rays, distance)
+
+
+@surface.register(Disk)
+def surface_disk(disk: Disk, rays: Rays, distance: PerRay, primitive: Int[np.ndarray, " ray"]) -> Surface:  # noqa: ARG001
+    """Surface of a disc where rays meet it.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [3.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
+    >>> surface_disk(Disk((0, 0, 0), (0, 2, 0), 4, "base"), ray, np.array([2.0]), np.zeros(1, np.int32)).normal.T
+    array([[0., 1., 0.]])
+    """
+    return flat_surface(column(disk.centre), column(disk.normal), rays, distance)
+
+
+@surface.register(Rectangle)
+def surface_rectangle(
+    rectangle: Rectangle,
+    rays: Rays,
+    distance: PerRay,
+    primitive: Int[np.ndarray, " ray"],  # noqa: ARG001
+) -> Surface:
+    """Surface of a rectangle where rays meet it.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [5.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
+    >>> floor = Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor")
+    >>> surface_rectangle(floor, ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T
+    array([[0.5 , 0.25]])
+    """
+    centre = column(rectangle.centre)
+    flat = flat_surface(centre, _rectangle_normal(rectangle), rays, distance)
+    uv = np.clip(_rectangle_coordinates(rectangle, flat.point - centre) + 0.5, 0.0, 1.0)
+    edges = [[float(np.linalg.norm(rectangle.edge_u))], [float(np.linalg.norm(rectangle.edge_v))]]
+    return replace(flat, uv=uv, extent=np.broadcast_to(edges, uv.shape).copy())
+
+
+def flat_surface(point: Column, normal: Column, rays: Rays, distance: PerRay) -> Surface:
+    """Surface of the plane through `point` where rays meet it, refined onto the plane by an exact residual.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [3.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
+    >>> flat_surface(np.zeros((3, 1)), np.array([[0.0], [1.0], [0.0]]), ray, np.array([2.0])).point.T
+    array([[0., 0., 3.]])
+    """
+    met = rays.origin + distance * rays.direction
+    height = pair_dot(two_sum(met, -point), exact(normal))[0]
+    met = met - height / dot(normal, normal) * normal
+    unit = np.broadcast_to(normalise(normal), met.shape).copy()
+    error = 4 * ROUNDING * (np.abs(met).sum(axis=0) + np.abs(point).sum())
+    return Surface(met, unit, unit, _plane_coordinates(normal, met - point), np.ones((2, len(rays))), error)
+
+
+def plane_axes(normal: Column) -> tuple[Column, Column]:
+    """The u and v axes of a plane, as the module's docstring defines them.
+
+    Examples
+    --------
+    On a floor u runs to −x and v to +z:
+
+    >>> u, v = plane_axes(np.array([[0.0], [1.0], [0.0]]))
+    >>> bool(np.all(u.T == [[-1, 0, 0]])), bool(np.all(v.T == [[0, 0, 1]]))
+    (True, True)
+    """
+    unit = normalise(normal)
+    away = [[1.0], [0.0], [0.0]] if np.abs(unit[2, 0]) == np.abs(unit).max() else [[0.0], [0.0], [1.0]]
+    u = normalise(np.cross(np.array(away), unit, axis=0))
+    return u, np.cross(unit, u, axis=0)
+
+
+def _plane_coordinates(normal: Column, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
+    u, v = plane_axes(normal)
+    return np.stack([dot(offset, u), dot(offset, v)])
+
+
+def _rectangle_normal(rectangle: Rectangle) -> Column:
+    return pair_cross(exact(column(rectangle.edge_u)), exact(column(rectangle.edge_v)))[0]
+
+
+def _rectangle_coordinates(rectangle: Rectangle, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
+    """Shares of the two edges in an offset from the centre, from −½ to ½ inside."""
+    u, v = column(rectangle.edge_u), column(rectangle.edge_v)
+    return np.stack([dot(offset, u) / dot(u, u), dot(offset, v) / dot(v, v)])
+
+
+@translate.register(Plane)
+def translate_plane(plane: Plane, by: Point) -> Plane:
+    """The plane moved `by` a vector.
+
+    Examples
+    --------
+    >>> translate_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), np.array([0.0, 2.0, 0.0])).point
+    (0.0, 2.0, 0.0)
+    """
+    return replace(plane, point=moved(plane.point, by))
+
+
+@translate.register(Disk)
+@translate.register(Rectangle)
+def translate_centred(shape: Disk | Rectangle, by: Point) -> Disk | Rectangle:
+    """The disc or rectangle moved `by` a vector.
+
+    Examples
+    --------
+    >>> translate_centred(Disk((0, 0, 0), (0, 1, 0), 1, "base"), np.array([0.0, 2.0, 0.0])).centre
+    (0.0, 2.0, 0.0)
+    """
+    return replace(shape, centre=moved(shape.centre, by))
+
+
+@encloses.register(Plane)
+@encloses.register(Disk)
+@encloses.register(Rectangle)
+def encloses_flat(shape: Plane | Disk | Rectangle, point: Point) -> bool:  # noqa: ARG001
+    """Nothing is inside a flat shape.
+
+    Examples
+    --------
+    >>> encloses_flat(Plane((0, 0, 0), (0, 1, 0), "floor"), np.array([0.0, -1.0, 0.0]))
+    False
+    """
+    return False
+
+
+@clearance.register(Plane)
+def clearance_plane(plane: Plane, point: Point) -> float:
+    """Distance from `point` to the plane.
+
+    Examples
+    --------
+    >>> clearance_plane(Plane((0, 0, 0), (0, 2, 0), "floor"), np.array([5.0, -3.0, 0.0]))
+    3.0
+    """
+    return abs(float(dot(point.reshape(3, 1) - column(plane.point), normalise(column(plane.normal)))[0]))
+
+
+@clearance.register(Disk)
+def clearance_disk(disk: Disk, point: Point) -> float:
+    """Distance from `point` to the disc.
+
+    Examples
+    --------
+    >>> clearance_disk(Disk((0, 0, 0), (0, 1, 0), 1, "base"), np.array([4.0, 4.0, 0.0]))
+    5.0
+    """
+    offset, unit = point.reshape(3, 1) - column(disk.centre), normalise(column(disk.normal))
+    height = dot(offset, unit)
+    outside = np.maximum(length(offset - height * unit) - float(disk.radius), 0.0)
+    return float(np.hypot(height, outside)[0])
+
+
+@clearance.register(Rectangle)
+def clearance_rectangle(rectangle: Rectangle, point: Point) -> float:
+    """Distance from `point` to the rectangle.
+
+    Examples
+    --------
+    >>> clearance_rectangle(Rectangle((0, 0, 0), (2, 0, 0), (0, 0, -2), "floor"), np.array([4.0, 4.0, 0.0]))
+    5.0
+    """
+    offset = point.reshape(3, 1) - column(rectangle.centre)
+    u, v = np.clip(_rectangle_coordinates(rectangle, offset), -0.5, 0.5)
+    return float(length(offset - u * column(rectangle.edge_u) - v * column(rectangle.edge_v))[0])
+
+
+def _has_direction(owner: str, **vectors: Triple) -> None:
+    for name, vector in vectors.items():
+        if not any(vector):
+            raise ValueError(f"{owner}: {name} = {vector}: it must not be zero")

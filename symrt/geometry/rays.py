@@ -1,0 +1,328 @@
+"""Rays, what they meet first, and how they start again from a surface (step 1): ``p(t) = origin + t direction``.
+
+`intersect`, `surface`, `translate`, `encloses` and `clearance` are singledispatch functions; each family of shapes
+registers its own beside its record.  No result depends on the other rays of a batch, so tiles may be cut anywhere.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.arrays import PerRay, Point, Vectors, dot, exact, pair_dot
+
+__all__ = [
+    "Crossing",
+    "Hits",
+    "Rays",
+    "Surface",
+    "Triple",
+    "clearance",
+    "encloses",
+    "intersect",
+    "nearest",
+    "occluded",
+    "spawn",
+    "surface",
+    "surfaces",
+    "translate",
+]
+
+Triple = tuple[float | int, float | int, float | int]
+"""A point or a vector in a record, in scene units."""
+
+BLOCK = 8192
+"""Rays handled at a time: their arrays stay in the cache, which is worth a factor of three."""
+
+ROUNDING = 2.0**-53
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """Half lines with unit directions, one a column.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or a direction is not of unit length.
+
+    Examples
+    --------
+    >>> len(Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]])))
+    1
+    """
+
+    origin: Vectors
+    direction: Vectors
+
+    def __post_init__(self) -> None:
+        good = np.isfinite(self.origin).all(axis=0) & (np.abs(dot(self.direction, self.direction) - 1) < 1e-12)
+        if not good.all():
+            bad = int(np.argmin(good))
+            raise ValueError(
+                f"ray {bad} starts at {self.origin[:, bad].tolist()} along {self.direction[:, bad].tolist()}: "
+                "the origin must be finite and the direction of unit length; use normalise"
+            )
+
+    def __len__(self) -> int:
+        return self.origin.shape[1]
+
+    def __getitem__(self, chosen: slice | np.ndarray) -> "Rays":
+        """The rays chosen by a slice, a mask or indices."""
+        return Rays(self.origin[:, chosen], self.direction[:, chosen])
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """The nearest crossing of each ray with one shape.
+
+    Parameters
+    ----------
+    distance
+        Along the ray, in scene units; inf where the ray misses.
+    primitive
+        The part of the shape that was met (a triangle, a cap), −1 where the ray misses.
+    """
+
+    distance: PerRay
+    primitive: Int[np.ndarray, " ray"]
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """The nearest crossing of each ray with a list of shapes.
+
+    Parameters
+    ----------
+    distance
+        Along the ray; inf where everything is missed.
+    shape
+        Index of the shape in the list, −1 where everything is missed.
+    primitive
+        The part of that shape, −1 where everything is missed.
+    """
+
+    distance: PerRay
+    shape: Int[np.ndarray, " ray"]
+    primitive: Int[np.ndarray, " ray"]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """What a surface is like where rays meet it.
+
+    Parameters
+    ----------
+    point
+        Refined onto the surface.
+    normal
+        The geometric unit normal that points out of the shape, whatever side the ray came from.
+    shading_normal
+        The unit normal for shading: another one only on meshes that carry vertex normals.
+    uv
+        Surface coordinates; each shape's record says which.
+    extent
+        Scene units per unit of u and of v.
+    error
+        Upper bound of the distance between `point` and the true surface.
+    """
+
+    point: Float[np.ndarray, "3 hit"]
+    normal: Float[np.ndarray, "3 hit"]
+    shading_normal: Float[np.ndarray, "3 hit"]
+    uv: Float[np.ndarray, "2 hit"]
+    extent: Float[np.ndarray, "2 hit"]
+    error: Float[np.ndarray, " hit"]
+
+
+@singledispatch
+def intersect(shape: object, rays: Rays, low: float = 0.0) -> Crossing:  # noqa: ARG001 (registered for each shape)
+    """The nearest crossing of each ray with `shape` at a distance greater than `low`; nan never comes out.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> ray = Rays(origin=np.array([[0.0], [0.0], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> intersect(Sphere(centre=(0, 0, 0), radius=1, material="red"), ray).distance
+    array([2.])
+    """
+    raise _unknown(shape)
+
+
+@singledispatch
+def surface(shape: object, rays: Rays, distance: PerRay, primitive: Int[np.ndarray, " ray"]) -> Surface:  # noqa: ARG001
+    """Point, normals and surface coordinates of `shape` where each ray meets it.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> ball = Sphere(centre=(0, 0, 0), radius=1, material="red")
+    >>> ray = Rays(origin=np.array([[0.0], [0.0], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> found = intersect(ball, ray)
+    >>> surface(ball, ray, found.distance, found.primitive).normal.T
+    array([[0., 0., 1.]])
+    """
+    raise _unknown(shape)
+
+
+@singledispatch
+def translate(shape: object, by: Point) -> Any:  # noqa: ANN401, ARG001 (the same kind of shape)
+    """The shape moved `by` a vector: a scene far from the origin is moved to its camera first, where floats are dense.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> translate(Sphere(centre=(1e8, 0, 0), radius=1, material="red"), np.array([-1e8, 0.0, 0.0])).centre
+    (0.0, 0.0, 0.0)
+    """
+    raise _unknown(shape)
+
+
+@singledispatch
+def encloses(shape: object, point: Point) -> bool:  # noqa: ARG001
+    """Whether `point` is inside a closed shape; always False for an open one.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> encloses(Sphere(centre=(0, 0, 0), radius=1, material="red"), np.array([0.0, 0.5, 0.0]))
+    True
+    """
+    raise _unknown(shape)
+
+
+@singledispatch
+def clearance(shape: object, point: Point) -> float:  # noqa: ARG001
+    """Distance from `point` to the surface of `shape`, or a lower bound of it.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> clearance(Sphere(centre=(0, 0, 0), radius=1, material="red"), np.array([0.0, 3.0, 0.0]))
+    2.0
+    """
+    raise _unknown(shape)
+
+
+def nearest(shapes: Sequence[Any], rays: Rays) -> Hits:
+    """The nearest crossing of each ray with any shape; of two at the same distance the first in the list.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> near, far = Sphere((0, 0, -3), 1, "red"), Sphere((0, 0, -9), 1, "blue")
+    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> nearest([far, near], ray).shape
+    array([1], dtype=int32)
+    """
+    count = len(rays)
+    found = Hits(np.full(count, np.inf), np.full(count, -1, np.int32), np.full(count, -1, np.int32))
+    for start in range(0, count, BLOCK):
+        block = slice(start, start + BLOCK)
+        part = rays[block]
+        for index, shape in enumerate(shapes):
+            crossing = intersect(shape, part)
+            closer = crossing.distance < found.distance[block]
+            found.distance[block][closer] = crossing.distance[closer]
+            found.primitive[block][closer] = crossing.primitive[closer]
+            found.shape[block][closer] = index
+    return found
+
+
+def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarray, " ray"]:
+    """Whether anything stands between the start of each ray and the distance `limit`, both ends excluded.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> ball = Sphere((0, 0, -3), 1, "red")
+    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> occluded([ball], ray, limit=np.array([1.5])), occluded([ball], ray, limit=np.array([np.inf]))
+    (array([False]), array([ True]))
+    """
+    blocked = np.zeros(len(rays), bool)
+    for start in range(0, len(rays), BLOCK):
+        open_rays = np.arange(start, min(start + BLOCK, len(rays)))
+        for shape in shapes:
+            if not open_rays.size:
+                break
+            hidden = intersect(shape, rays[open_rays]).distance < limit[open_rays]
+            blocked[open_rays[hidden]] = True
+            open_rays = open_rays[~hidden]
+    return blocked
+
+
+def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
+    """The surface each ray meets, whatever shape it belongs to; zeros for a ray that meets none.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Plane, Sphere
+    >>> scene = [Sphere((0, 0, -3), 1, "red"), Plane((0, -1, 0), (0, 1, 0), "grey")]
+    >>> rays = Rays(np.zeros((3, 2)), np.array([[0.0, 0.0], [0.0, -1.0], [-1.0, 0.0]]))
+    >>> surfaces(scene, rays, nearest(scene, rays)).point.T.tolist()
+    [[0.0, 0.0, -2.0], [0.0, -1.0, 0.0]]
+    """
+    count = len(rays)
+    point, normal, shading, uv, extent = (np.zeros((rows, count)) for rows in (3, 3, 3, 2, 2))
+    whole = Surface(point, normal, shading, uv, extent, np.zeros(count))
+    for index, shape in enumerate(shapes):
+        chosen = np.flatnonzero(hits.shape == index)
+        if chosen.size:
+            part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
+            for name in (f.name for f in fields(Surface)):
+                getattr(whole, name)[..., chosen] = getattr(part, name)
+    return whole
+
+
+def spawn(
+    point: Float[np.ndarray, "3 ray"],
+    normal: Float[np.ndarray, "3 ray"],
+    error: PerRay,
+    direction: Float[np.ndarray, "3 ray"],
+) -> Rays:
+    """Rays that leave a surface without meeting it again: started off it, on the side they go to, by its error bound.
+
+    The offset is twice the bound: once for where the surface may be, once for the rounding of the new origin.
+
+    Examples
+    --------
+    >>> up = np.array([[0.0], [1.0], [0.0]])
+    >>> spawn(np.zeros((3, 1)), up, np.array([2.0**-50]), -up).origin.T.tolist() == [[0, -(2.0**-49), 0]]
+    True
+    """
+    # A grazing direction gets its side from the exact sign, the same that the shape's own intersection uses.
+    side = np.sign(pair_dot(exact(normal), exact(direction))[0])
+    return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction)
+
+
+def column(triple: Triple) -> Float[np.ndarray, "3 1"]:
+    """A record's point or vector as one column, to stand against many rays."""
+    return np.array(triple, dtype=float).reshape(3, 1)
+
+
+def finite(owner: str, **values: Triple | float | int) -> None:
+    """Refuse numbers of a record that are nan or infinite."""
+    for name, value in values.items():
+        if not np.all(np.isfinite(value)):
+            raise ValueError(f"{owner}: {name} = {value}: it must be finite")
+
+
+def positive(owner: str, **values: float | int) -> None:
+    """Refuse lengths of a record that are not positive."""
+    for name, value in values.items():
+        if not value > 0:
+            raise ValueError(f"{owner}: {name} = {value}: it must be greater than 0")
+
+
+def moved(triple: Triple, by: Point) -> Triple:
+    """A record's point, translated."""
+    x, y, z = (float(a) + float(b) for a, b in zip(triple, by, strict=True))
+    return x, y, z
+
+
+def _unknown(shape: object) -> TypeError:
+    return TypeError(f"{type(shape).__name__} is not a shape; load a Mesh with load_mesh first")

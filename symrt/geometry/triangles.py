@@ -1,0 +1,154 @@
+"""Rays against triangles (step 1), watertight.
+
+A ray is sheared onto its own axis; then a triangle is met where three edge functions have one sign [1]_.  Triangles
+that share an edge compute the very same function with opposite sign, so a ray cannot slip between them, and rounding
+cannot turn a sign in a difference of two products, only make it 0, which counts as inside.  The distance comes from the
+plane of the triangle with compensated dots: a ray that starts on one side of a triangle and goes away never meets it.
+
+References
+----------
+.. [1] S. Woop, C. Benthin and I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.arrays import Point, dot, exact, normalise, pair_cross, pair_dot, two_sum
+from symrt.geometry.rays import Rays
+
+__all__ = ["barycentric", "blended_normal", "crossings", "solid_angle", "unit_normals"]
+
+Corners = Float[np.ndarray, "3 3 face"]
+"""Corner, axis, face."""
+
+
+def unit_normals(corners: Corners) -> Float[np.ndarray, "3 face"]:
+    """Unit normals, zero for a degenerate triangle; with exact edges a needle's is as good as any.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[2.0], [0.0], [0.0]], [[0.0], [2.0], [0.0]]])
+    >>> unit_normals(corners).T
+    array([[0., 0., 1.]])
+    """
+    cross = pair_cross(two_sum(corners[1], -corners[0]), two_sum(corners[2], -corners[0]))[0]
+    degenerate = ~np.any(cross != 0, axis=0)
+    unit = normalise(np.where(degenerate, 1.0, cross))
+    return np.where(degenerate, 0.0, unit)
+
+
+def crossings(
+    corners: Corners,
+    normals: Float[np.ndarray, "3 face"],
+    rays: Rays,
+    ray: Int[np.ndarray, " pair"],
+    triangle: Int[np.ndarray, " pair"],
+) -> Float[np.ndarray, " pair"]:
+    """Signed distance at which each chosen ray meets the chosen triangle, inf where it does not.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
+    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> crossings(corners, unit_normals(corners), ray, np.array([0]), np.array([0]))
+    array([3.])
+    """
+    found = np.full(ray.size, np.inf)
+    weights, depth = _edge_functions(corners, rays, ray, triangle)
+    inside = (weights.min(axis=0) >= 0) | (weights.max(axis=0) <= 0)
+    met = np.flatnonzero(inside & np.any(weights != 0, axis=0) & np.any(normals[:, triangle] != 0, axis=0))
+    if met.size:
+        exact_depth = _plane_depth(corners[0], normals, rays, ray[met], triangle[met])
+        # A grazing ray's quotient is wild where the triangle is not: it lies between its nearest and farthest corner.
+        low, high = depth[:, met].min(axis=0), depth[:, met].max(axis=0)
+        exact_depth = np.where(np.isfinite(exact_depth), exact_depth, low)
+        found[met] = np.clip(exact_depth, low, high)
+    return found
+
+
+def _edge_functions(
+    corners: Corners, rays: Rays, ray: Int[np.ndarray, " pair"], triangle: Int[np.ndarray, " pair"]
+) -> tuple[Float[np.ndarray, "3 pair"], Float[np.ndarray, "3 pair"]]:
+    """The three edge functions of Woop, Benthin and Wald, and the depth of each corner along the ray."""
+    direction, origin = rays.direction[:, ray], rays.origin[:, ray]
+    axis = np.argmax(np.abs(direction), axis=0)
+    pairs = np.arange(ray.size)
+    along = direction[axis, pairs]
+    x, y = (axis + 1) % 3, (axis + 2) % 3
+    shear_x, shear_y = direction[x, pairs] / along, direction[y, pairs] / along
+    px, py, depth = [], [], []
+    for corner in corners:
+        offset = corner[:, triangle] - origin
+        forward = offset[axis, pairs]
+        px.append(offset[x, pairs] - shear_x * forward)
+        py.append(offset[y, pairs] - shear_y * forward)
+        depth.append(dot(offset, direction))
+    weights = [px[j] * py[k] - py[j] * px[k] for j, k in ((2, 1), (0, 2), (1, 0))]
+    return np.stack(weights), np.stack(depth)
+
+
+def _plane_depth(
+    corner: Float[np.ndarray, "3 face"],
+    normals: Float[np.ndarray, "3 face"],
+    rays: Rays,
+    ray: Int[np.ndarray, " pair"],
+    triangle: Int[np.ndarray, " pair"],
+) -> Float[np.ndarray, " pair"]:
+    """Signed distance to the plane of a triangle, with compensated dots."""
+    normal = exact(normals[:, triangle])
+    offset = two_sum(corner[:, triangle], -rays.origin[:, ray])
+    return pair_dot(offset, normal)[0] / pair_dot(exact(rays.direction[:, ray]), normal)[0]
+
+
+def barycentric(
+    corner: Float[np.ndarray, "3 3 ray"], normal: Float[np.ndarray, "3 ray"], point: Float[np.ndarray, "3 ray"]
+) -> Float[np.ndarray, "3 ray"]:
+    """Shares of the three corners in a point of each triangle, clipped to the triangle.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
+    >>> barycentric(corners, np.array([[0.0], [0.0], [1.0]]), np.array([[0.25], [0.25], [0.0]])).T
+    array([[0.5 , 0.25, 0.25]])
+    """
+    spokes = corner - point
+    areas = [np.maximum(dot(np.cross(spokes[j], spokes[k], axis=0), normal), 0.0) for j, k in ((1, 2), (2, 0), (0, 1))]
+    total = areas[0] + areas[1] + areas[2]
+    return np.stack([np.where(total > 0, a / np.where(total > 0, total, 1.0), 1 / 3) for a in areas])
+
+
+def blended_normal(
+    normals: Float[np.ndarray, "3 3 ray"], weights: Float[np.ndarray, "3 ray"], flat: Float[np.ndarray, "3 ray"]
+) -> Float[np.ndarray, "3 ray"]:
+    """Vertex normals (axis, corner, ray) blended and normalised; the face's where they cancel.
+
+    Examples
+    --------
+    >>> normals = np.array([[[0.0], [0.0], [0.0]], [[0.0], [0.0], [0.0]], [[1.0], [1.0], [1.0]]])
+    >>> blended_normal(normals, np.full((3, 1), 1 / 3), np.array([[0.0], [0.0], [1.0]])).T
+    array([[0., 0., 1.]])
+    """
+    blend = normals[:, 0] * weights[0] + normals[:, 1] * weights[1] + normals[:, 2] * weights[2]
+    return normalise(np.where(np.any(np.abs(blend) > 1e-12, axis=0), blend, flat))
+
+
+def solid_angle(corners: Corners, point: Point) -> float:
+    """Solid angle of all the triangles seen from `point`: ±4π inside a closed mesh, 0 outside [1]_.
+
+    References
+    ----------
+    .. [1] A. van Oosterom and J. Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983.
+
+    Examples
+    --------
+    One face of a cube, seen from the cube's centre, in two triangles:
+
+    >>> square = np.array([[[1.0, 1], [-1, -1], [-1, -1]], [[1, 1], [1, 1], [-1, 1]], [[1, 1], [1, -1], [1, 1]]])
+    >>> round(abs(solid_angle(square, np.zeros(3))) / (4 * np.pi), 12) == round(1 / 6, 12)
+    True
+    """
+    a, b, c = corners - point.reshape(3, 1)
+    la, lb, lc = (np.sqrt(dot(v, v)) for v in (a, b, c))
+    volume = dot(a, np.cross(b, c, axis=0))
+    angle = 2 * np.arctan2(volume, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+    return float(angle.sum())
