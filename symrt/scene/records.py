@@ -1,0 +1,231 @@
+"""What is there: the materials, and the scene that holds everything together (before step 1).
+
+A record says what is wrong with it when it is made, all of it at once, one line a fault, each with its key: so a scene
+that exists can be traced.
+"""
+
+import html
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symrt.errors import refuse, shown, suggestion
+from symrt.geometry.rays import encloses
+from symrt.scene.cameras import Camera
+from symrt.scene.checks import check_name, check_number, settle
+from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
+from symrt.scene.lights import AmbientLight, Light, PointLight
+
+if TYPE_CHECKING:
+    from symrt.reflection.models import Model
+
+__all__ = ["Material", "Scene"]
+
+DEEPEST = 1000
+"""Mirror bounces that a scene may ask for."""
+
+
+@dataclass(frozen=True, init=False)
+class Material:
+    """A named way of reflecting light: its spectra stay symbols, ``red.diffuse``, its parameters are numbers.
+
+    Parameters
+    ----------
+    name
+        What shapes, textures and palettes call it.
+    model
+        The name of a model, a model of one's own, or several stacked.
+    **parameters
+        A number for each parameter of the model, such as ``exponent``.
+
+    Examples
+    --------
+    >>> Material("brass", model=["phong_plain", "mirror"], exponent=60).symbols
+    ('brass.diffuse', 'brass.mirror', 'brass.specular')
+    """
+
+    name: str
+    model: "str | Model | tuple[str | Model, ...]"
+    parameters: Mapping[str, float] = field(hash=False)
+
+    def __init__(self, /, name: str, model: Any = "lambert", **parameters: Any) -> None:
+        settle(self, name=name, model=tuple(model) if isinstance(model, list | tuple) else model)
+        refuse([*check_name("name", name), *_model_faults(self._models)])
+        settle(self, parameters=parameters)
+        refuse(_parameter_faults(self))
+        settle(self, parameters={key: float(value) for key, value in parameters.items()})
+
+    @property
+    def _models(self) -> "tuple[str | Model, ...]":
+        return self.model if isinstance(self.model, tuple) else (self.model,)
+
+    @cached_property
+    def reflection(self) -> "Model":
+        """The formulas of its model, or of all of its models together."""
+        # SymPy is slow to import, and reading a scene's geometry does not need it.
+        from symrt.reflection.models import MODELS, stack  # noqa: PLC0415
+
+        models = [MODELS[model] if isinstance(model, str) else model for model in self._models]
+        return models[0] if len(models) == 1 else stack(models)
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The reflectances that a palette must give it."""
+        return tuple(f"{self.name}.{component}" for component in sorted(self.reflection.components))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything that light meets, and the camera that looks at it.
+
+    Parameters
+    ----------
+    camera
+        Where the picture is taken from.
+    shapes
+        Each names its material, or a texture.
+    materials, lights, textures
+        Each has a name of its own.
+    depth
+        Mirror bounces followed; what is cut off after them is bounded and reported.
+    folder
+        Where the files of meshes and textures lie.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> from symrt.scene.lights import DirectionalLight
+    >>> Scene(
+    ...     camera=Camera(position=(0, 3, 8), target=(0, 1, 0), width=320, height=240),
+    ...     shapes=[Sphere(centre=(0, 1, 0), radius=1, material="red")],
+    ...     materials=[Material("red", model="phong", exponent=40)],
+    ...     lights=[DirectionalLight("sun", direction=(1, -1, 0))],
+    ... ).symbols
+    ('sun', 'red.diffuse', 'red.specular')
+    """
+
+    camera: Camera
+    shapes: Sequence[Any]
+    materials: Sequence[Material]
+    lights: Sequence[Light | AmbientLight]
+    textures: Sequence[Any] = ()
+    depth: int = 4
+    folder: Path = Path()
+
+    def __post_init__(self) -> None:
+        for key in ("shapes", "materials", "lights", "textures"):
+            settle(self, **{key: tuple(getattr(self, key))})
+        refuse(_scene_faults(self))
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Every spectrum that a palette of this scene gives: its lights, then its reflectances."""
+        lights = (light.name for light in self.lights)
+        return (*lights, *(symbol for material in self.materials for symbol in material.symbols))
+
+    def material(self, name: str) -> Material:
+        """The material of that name."""
+        return next(material for material in self.materials if material.name == name)
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, str, str]] = [
+            ("camera", self.camera.type, f"{self.camera.width} × {self.camera.height} pixels")
+        ]
+        rows += [(type(light).__name__, light.name, _details(light)) for light in self.lights]
+        rows += [("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}") for m in self.materials]
+        rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
+        rows += [(type(shape).__name__, shown(shape.material), _details(shape)) for shape in self.shapes]
+        cells = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+        return f"<table><tr><th>what</th><th>name or material</th><th></th></tr>{cells}</table>"
+
+
+def _model_faults(models: tuple[Any, ...]) -> Iterator[str]:
+    from symrt.reflection.models import MODELS, Model  # noqa: PLC0415  as above
+
+    if not models:
+        yield "model = []: a material needs at least one model; write model = 'lambert'"
+    for model in models:
+        if isinstance(model, str) and model not in MODELS:
+            yield f"model = {shown(model)}: no model has this name; {suggestion(model, MODELS)}"
+        elif not isinstance(model, str | Model):
+            yield f"model = {shown(model)}: a model is a name, a list of names, or an rt.Model; try 'lambert'"
+
+
+def _parameter_faults(material: Material) -> Iterator[str]:
+    needed = material.reflection.parameters
+    for key in sorted(needed - set(material.parameters)):
+        yield f"{key}: the model {_models_text(material)} needs it; write {key} = 40, say"
+    for key, value in material.parameters.items():
+        faults = list(check_number(key, value))
+        if key not in needed:
+            yield f"{shown(key)}: the model {_models_text(material)} has no such parameter; {suggestion(key, needed)}"
+        elif not faults and key == "exponent" and not 0 <= value <= 1e7:
+            yield f"exponent = {shown(value)}: it must be from 0 to 1e7; 40 is glossy"
+        yield from faults
+
+
+def _models_text(material: Material) -> str:
+    return " + ".join(model if isinstance(model, str) else "of one's own" for model in material._models)  # noqa: SLF001  the same module
+
+
+def _scene_faults(scene: Scene) -> Iterator[str]:
+    kinds = list(_kind_faults(scene))
+    yield from kinds
+    yield from light_faults(scene.lights)
+    if not 0 <= scene.depth <= DEEPEST:
+        yield f"depth = {shown(scene.depth)}: it must be a whole number from 0 to {DEEPEST}; 4 is usual"
+    if not kinds:
+        named = ("lights", "materials", "textures")
+        yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))
+        yield from _reference_faults(scene)
+        yield from _place_faults(scene)
+
+
+def _kind_faults(scene: Scene) -> Iterator[str]:
+    demands: dict[str, Callable[[Any], bool]] = {
+        "materials": lambda m: isinstance(m, Material),
+        "lights": lambda light: isinstance(light, Light | AmbientLight),
+        "textures": lambda texture: hasattr(texture, "name") and hasattr(texture, "materials"),
+        "shapes": lambda shape: hasattr(shape, "material"),
+    }
+    for key, fits in demands.items():
+        for i, record in enumerate(getattr(scene, key)):
+            if not fits(record):
+                yield f"{key}[{i}] = {shown(record)}: this is not one of the {key}; move it to where it belongs"
+
+
+def _reference_faults(scene: Scene) -> Iterator[str]:
+    shapes = [(f"shapes[{i}]", shape) for i, shape in enumerate(scene.shapes)]
+    textures = [(f"textures.{texture.name}", texture) for texture in scene.textures]
+    materials = [material.name for material in scene.materials]
+    for key, texture in textures:
+        yield from reference_faults(named_materials(f"{key}.materials", texture.materials), materials, "material")
+    known = [*materials, *(texture.name for texture in scene.textures)]
+    for key, shape in shapes:
+        yield from reference_faults(named_materials(f"{key}.material", shape.material), known, "material or texture")
+    yield from file_faults(((f"{k}.file", r.file) for k, r in shapes + textures if hasattr(r, "file")), scene.folder)
+
+
+def _place_faults(scene: Scene) -> Iterator[str]:
+    eye = np.array(scene.camera.position)
+    for i, shape in enumerate(scene.shapes):
+        # A mesh that is still a file is asked once it is loaded.
+        if not hasattr(shape, "file") and encloses(shape, eye):
+            place = shown(scene.camera.position)
+            yield f"camera.position = {place}: it is inside shapes[{i}]; move the camera or the shape"
+    for light in scene.lights:
+        if isinstance(light, PointLight) and light.position == scene.camera.target:
+            yield (
+                f"lights.{light.name}.position: it stands at the camera's target, where the white that reflectances "
+                "are measured against is looked for; move the light or the target"
+            )
+
+
+def _details(record: Any) -> str:
+    fields = record if isinstance(record, Mapping) else vars(record)
+    skipped = {"name", "type", "material"}
+    return ", ".join(f"{key} = {shown(value)}" for key, value in fields.items() if key not in skipped)
