@@ -1,1 +1,22 @@
-"""What is there: cameras, lights, materials and shapes, numbers and names only (step 1)."""
+"""What is there: shapes, materials, lights and a camera, from Python or from a file (before step 1)."""
+
+from symrt.reading import shipped_scene
+from symrt.scene.cameras import Camera, Window, camera_rays
+from symrt.scene.files import load_scene
+from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
+from symrt.scene.records import Material, Scene
+
+__all__ = [
+    "AmbientLight",
+    "Camera",
+    "DirectionalLight",
+    "Illumination",
+    "Light",
+    "Material",
+    "PointLight",
+    "Scene",
+    "Window",
+    "camera_rays",
+    "load_scene",
+    "shipped_scene",
+]

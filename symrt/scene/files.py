@@ -212,9 +212,9 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
 
 
 def _placed(key: str, line: str, record: type | None) -> str:
-    """A record's fault with the key of the record before it; a shape's begin with its type, which the key says."""
+    """A record's fault behind the record's key, which says what a shape or texture says of itself."""
     own = {f.name for f in fields(record)} if record else set()
-    line = line.removeprefix(f"{getattr(record, 'type', '')}: ")
+    line = re.sub(rf"^({getattr(record, 'type', '')}|texture \w+): ", "", line)
     first = re.match(r"(\w+)(\[\d+\])*( = |: )", line)
     if first and (record is None or first[1] in own):
         return f"{key}.{line}"

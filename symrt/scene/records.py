@@ -127,6 +127,21 @@ class Scene:
         lights = (light.name for light in self.lights)
         return (*lights, *(symbol for material in self.materials for symbol in material.symbols))
 
+    @cached_property
+    def used_textures(self) -> frozenset[str]:
+        """Names of the textures that some shape has."""
+        return self._named_by_shapes & {texture.name for texture in self.textures}
+
+    @cached_property
+    def used_materials(self) -> frozenset[str]:
+        """Names of the materials that some shape has, by itself or in a texture."""
+        textured = (name for t in self.textures if t.name in self.used_textures for name in t.materials)
+        return (self._named_by_shapes - self.used_textures) | frozenset(textured)
+
+    @property
+    def _named_by_shapes(self) -> frozenset[str]:
+        return frozenset(name for shape in self.shapes for _, name in named_materials("", _material_of(shape)))
+
     def material(self, name: str) -> Material:
         """The material of that name."""
         return next(material for material in self.materials if material.name == name)
@@ -138,7 +153,7 @@ class Scene:
         rows += [(type(light).__name__, light.name, _details(light)) for light in self.lights]
         rows += [("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}") for m in self.materials]
         rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
-        rows += [(type(shape).__name__, shown(shape.material), _details(shape)) for shape in self.shapes]
+        rows += [(type(shape).__name__, _shape_text(shape), _details(shape)) for shape in self.shapes]
         cells = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
         return f"<table><tr><th>what</th><th>name or material</th><th></th></tr>{cells}</table>"
 
@@ -190,7 +205,7 @@ def _kind_faults(scene: Scene) -> Iterator[str]:
         "materials": lambda m: isinstance(m, Material),
         "lights": lambda light: isinstance(light, Light | AmbientLight),
         "textures": lambda texture: hasattr(texture, "name") and hasattr(texture, "materials"),
-        "shapes": lambda shape: hasattr(shape, "material"),
+        "shapes": lambda shape: hasattr(shape, "material") or hasattr(shape, "materials"),
     }
     for key, fits in demands.items():
         for i, record in enumerate(getattr(scene, key)):
@@ -206,7 +221,9 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
         yield from reference_faults(named_materials(f"{key}.materials", texture.materials), materials, "material")
     known = [*materials, *(texture.name for texture in scene.textures)]
     for key, shape in shapes:
-        yield from reference_faults(named_materials(f"{key}.material", shape.material), known, "material or texture")
+        yield from reference_faults(
+            named_materials(f"{key}.material", _material_of(shape)), known, "material or texture"
+        )
     yield from file_faults(((f"{k}.file", r.file) for k, r in shapes + textures if hasattr(r, "file")), scene.folder)
 
 
@@ -225,7 +242,17 @@ def _place_faults(scene: Scene) -> Iterator[str]:
             )
 
 
+def _material_of(shape: Any) -> Any:
+    """What a shape is made of: one name, or several for a mesh, whether loaded or not."""
+    return shape.material if hasattr(shape, "material") else shape.materials
+
+
+def _shape_text(shape: Any) -> str:
+    return ", ".join(name for _, name in named_materials("", _material_of(shape)))
+
+
 def _details(record: Any) -> str:
     fields = record if isinstance(record, Mapping) else vars(record)
     skipped = {"name", "type", "material"}
+    fields = {key: value for key, value in fields.items() if not isinstance(value, np.ndarray)}
     return ", ".join(f"{key} = {shown(value)}" for key, value in fields.items() if key not in skipped)
