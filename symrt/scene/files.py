@@ -91,7 +91,9 @@ def load_scene(path: str | Path) -> Scene:
         if scene is not None and not faults:
             return scene
         # A value that is reported already is not reported once more by the record that holds it.
-        faults += [fault for fault in found if re.split(r" = |: ", fault, maxsplit=1)[0] not in bad_values]
+        faults += [
+            fault for fault in found if not any(f"{bad}[".startswith(f"{_key_of(fault)}[") for bad in bad_values)
+        ]
     raise SceneError("\n".join(f"{path}: {fault}" for fault in dict.fromkeys(faults)))
 
 
@@ -131,7 +133,9 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
         document = _reader().validate_json(json.dumps({**tables, **named}, default=str))
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=True)
-        faults += [line for one in errors for line in _lines(tuple(one["loc"]), dict(one))]
+        # Of a union that nothing fits only one member is reported: a number, or one name for a mesh.
+        told = [one for one in errors if one["loc"][-1] not in ("int", "dict[str,str]")]
+        faults += [line for one in told for line in _lines(tuple(one["loc"]), dict(one))]
         return None, [*faults, *_consistency_faults(tables, folder)]
     try:
         scene = Scene(
@@ -196,7 +200,9 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
     where = tuple(part for i, part in enumerate(where) if not (i == 2 and tag) and part not in UNION_PARTS)
     key, last = _dotted(where), where[-1]
     if error["type"] == "value_error":
-        yield from (_placed(key, line, record) for line in str(error["ctx"]["error"]).splitlines())
+        lines = str(error["ctx"]["error"]).splitlines()
+        # Names are reported with their tables, by `name_faults`.
+        yield from (_placed(key, line, record) for line in lines if not line.startswith("name = "))
     elif error["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
         keys = [f.name for f in fields(record or Document) if f.name != "name"]
         yield f"{key}: there is no such key; {suggestion(str(last), keys)}"
@@ -219,6 +225,10 @@ def _placed(key: str, line: str, record: type | None) -> str:
     if first and (record is None or first[1] in own):
         return f"{key}.{line}"
     return f"{key}: {line}"
+
+
+def _key_of(fault: str) -> str:
+    return re.split(r" = |: ", fault, maxsplit=1)[0]
 
 
 def _dotted(where: Iterable[str | int]) -> str:

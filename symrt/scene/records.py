@@ -177,7 +177,8 @@ def _parameter_faults(material: Material) -> Iterator[str]:
     for key, value in material.parameters.items():
         faults = list(check_number(key, value))
         if key not in needed:
-            yield f"{shown(key)}: the model {_models_text(material)} has no such parameter; {suggestion(key, needed)}"
+            rule = f"the model {_models_text(material)} has no such parameter; {suggestion(key, needed)}"
+            yield f"{key if key.isidentifier() else shown(key)}: {rule}"
         elif not faults and key == "exponent" and not 0 <= value <= 1e7:
             yield f"exponent = {shown(value)}: it must be from 0 to 1e7; 40 is glossy"
         yield from faults
