@@ -8,12 +8,14 @@ References
 IEC 61966-2-1:1999 (sRGB).  K. M. Lam, "Metamerism and colour constancy", PhD thesis, Bradford, 1985.
 """
 
+from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from symrt.arrays import Spectrum
+from symrt.errors import suggestion
 from symrt.spectra.bands import Bands, Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.library import colour_science, spectrum
@@ -35,14 +37,14 @@ def to_rgb(
     exposure
         Factor on every radiance; at 1 the reference white is the screen's white.
     reference
-        Radiance of the reference white; ``"equal-energy"`` or a viewing illuminant such as ``"illuminant/A"``,
-        as bright as the key light's white; None, the key light's white itself.  Give one image's white to another to
+        A light of the scene; ``"equal-energy"`` or a viewing illuminant such as ``"illuminant/A"``, as bright as the
+        key light's white; None, the key light; or the radiance of a white.  Give one image's white to another to
         compare them: against its own white, a dimmer light makes the same picture.
 
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, white=np.ones(3))
+    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, whites={"sun": np.ones(3)})
     >>> to_rgb(image).round(3).tolist()
     [[[1.0, 0.735, 0.0]]]
     """
@@ -57,11 +59,10 @@ def linear_rgb(
         raise ValueError("the image holds basis coordinates: shade it without basis= to see it")
     if not (np.isfinite(exposure) and exposure > 0):
         raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
-    white = image.white if reference is None or isinstance(reference, str) else reference
-    if white is None:
-        raise ValueError("the image has no reference white, since no light shines in it: give reference=")
-    if isinstance(reference, str):
-        white = of_same_luminance(reference, white, image.bands)
+    if reference is None or isinstance(reference, str):
+        white = white_among(image.whites, reference, image.bands)
+    else:
+        white = reference
     return image.values @ (exposure * display_matrix(image.bands, white))
 
 
@@ -71,7 +72,7 @@ def clipped(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | 
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> clipped(SpectralImage(np.array([[[1.0, 0.5, 0.0], [1.5, 1, 1]]]), RGB, white=np.ones(3)))
+    >>> clipped(SpectralImage(np.array([[[1.0, 0.5, 0.0], [1.5, 1, 1]]]), RGB, whites={"sun": np.ones(3)}))
     0.5
     """
     linear = linear_rgb(image, exposure, reference)
@@ -82,7 +83,8 @@ def clipped(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | 
 def display_matrix(bands: Bands, white: Spectrum) -> Float[np.ndarray, "band 3"]:
     """The matrix C that takes a radiance to linear sRGB, with `white` at luminance 1.
 
-    Spectra are adapted, so that `white` becomes (1, 1, 1).  RGB bands keep their colours and are only scaled.
+    Spectra are adapted, so that `white` becomes (1, 1, 1).  RGB bands keep their colours and are only scaled;
+    a single band is shown as grey.
 
     Examples
     --------
@@ -96,12 +98,11 @@ def display_matrix(bands: Bands, white: Spectrum) -> Float[np.ndarray, "band 3"]
         raise ValueError("the reference white has no luminance: no exposure shows it; choose another reference")
     if bands.kind == "rgb":
         return np.eye(3) / luminance
-    colour, xyz_to_rgb = colour_science(), np.linalg.inv(_rgb_to_xyz())
     observer = _observer(bands) / luminance
-    adapt = colour.adaptation.matrix_chromatic_adaptation_VonKries(
-        white @ observer, _rgb_to_xyz() @ np.ones(3), transform="Bradford"
-    )
-    return observer @ (xyz_to_rgb @ adapt).T
+    if len(bands) == 1:
+        return np.ones((1, 3)) * observer[:, 1:2]
+    xyz_to_rgb = np.linalg.inv(_rgb_to_xyz())
+    return observer @ (xyz_to_rgb @ _adaptation(white @ observer)).T
 
 
 def luminance_weights(bands: Bands) -> Spectrum:
@@ -114,6 +115,20 @@ def luminance_weights(bands: Bands) -> Spectrum:
     array([0.2126, 0.7152, 0.0722])
     """
     return _rgb_to_xyz()[1] if bands.kind == "rgb" else _observer(bands)[:, 1]
+
+
+def white_among(whites: Mapping[str, Spectrum], name: str | None, bands: Bands) -> Spectrum:
+    """The white that a name means: a light's; None, the key light's; else another one, as bright as the key light's."""
+    if not whites:
+        raise ValueError("no light shines, so that there is no reference white: give its radiance as reference=")
+    key = next(iter(whites.values()))
+    if name is None or name in whites:
+        return key if name is None else whites[name]
+    if name != "equal-energy" and not name.lower().startswith("illuminant/"):
+        raise ValueError(
+            f"no light {name!r}: {suggestion(name, whites)}; or give 'equal-energy' or an illuminant, 'illuminant/D65'"
+        )
+    return of_same_luminance(name, key, bands)
 
 
 def of_same_luminance(name: str, white: Spectrum, bands: Bands) -> Spectrum:
@@ -165,6 +180,18 @@ def _observer(bands: Bands) -> Float[np.ndarray, "band 3"]:
     if not weighted[:, 1].sum() > 0:
         raise ValueError(f"{bands!r} are all invisible: the observer sees 360 to 830 nm")
     return weighted / weighted[:, 1].sum()
+
+
+def _adaptation(white: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """Bradford's transform of XYZ that makes a white the screen's."""
+    cones = np.asarray(colour_science().CHROMATIC_ADAPTATION_TRANSFORMS["Bradford"], dtype=float)
+    seen, wanted = cones @ white, cones @ (_rgb_to_xyz() @ np.ones(3))
+    # Whites without blue, say, would need infinite gains.
+    if seen.min() < 1e-3 * seen.max():
+        raise ValueError(
+            "the reference white is too saturated to be adapted to: give another, such as 'illuminant/D65'"
+        )
+    return np.asarray(np.linalg.solve(cones, (wanted / seen)[:, None] * cones))
 
 
 @cache

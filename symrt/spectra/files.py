@@ -34,7 +34,7 @@ def save_image(
     --------
     >>> import tempfile
     >>> from symrt.spectra.bands import RGB
-    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, white=np.ones(3))
+    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, whites={"sun": np.ones(3)})
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_image(Path(folder) / "red.png", image)
     ...     imageio.imread(Path(folder) / "red.png").tolist()

@@ -1,6 +1,7 @@
 """The image that step 3 of the paper makes: a spectrum, a colour or basis coordinates in every pixel."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -21,8 +22,9 @@ class SpectralImage:
         Radiances, (height, width, band); row 0 is at the top.
     bands
         What the last axis counts.
-    white
-        Radiance of the reference white of the key light; None for coordinates, or if no light shines.
+    whites
+        For each light that shines, the radiance of a perfect diffuser that faces it, the key light's first; empty for
+        coordinates.
     cut_off
         For each band, a bound on what the depth limit left out of any pixel; infinite where there is no certificate,
         because some mirror reflects everything; None if nothing was cut off.
@@ -32,13 +34,18 @@ class SpectralImage:
 
     values: Float[np.ndarray, "height width band"]
     bands: Bands
-    white: Spectrum | None = None
+    whites: Mapping[str, Spectrum] = field(default_factory=dict)
     cut_off: Spectrum | None = None
     seconds: float = 0.0
 
     def __repr__(self) -> str:
         height, width, _ = self.values.shape
         return f"SpectralImage({width} × {height} pixels, {self.bands!r}, {self.certificate})"
+
+    @property
+    def white(self) -> Spectrum | None:
+        """Radiance of the key light's reference white."""
+        return next(iter(self.whites.values()), None)
 
     @property
     def certificate(self) -> str:

@@ -10,11 +10,11 @@ import numpy as np
 
 from symrt.arrays import Spectrum
 from symrt.spectra.bands import Number
-from symrt.spectra.display import of_same_luminance
-from symrt.spectra.palette import Palette, did_you_mean
+from symrt.spectra.display import white_among
+from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Reference", "key_light"]
+__all__ = ["Reference", "whites"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Reference:
     ----------
     light
         A light of the scene; or ``"equal-energy"``, a constant; or a viewing illuminant such as ``"illuminant/A"``.
-        The last two get the luminance of the key light's white.  None: the key light, see `key_light`.
+        The last two get the luminance of the key light's white.  None: the key light, see `whites`.
     exposure
         Factor on every radiance.
     """
@@ -57,31 +57,20 @@ class Reference:
         >>> Reference("sun").white(system, Palette(RGB, {"sun": np.pi}))
         array([1., 1., 1.])
         """
-        whites = {name: value * palette[name] for name, value in system.white.items() if name in palette}
-        if self.light in whites:
-            return _not_black(str(self.light), whites[str(self.light)])
-        key = key_light(system, palette)
-        if self.light is None:
-            return _not_black(key, whites[key])
-        if self.light != "equal-energy" and not self.light.lower().startswith("illuminant/"):
-            named = did_you_mean([self.light], whites)
-            raise ValueError(f"no light {named} in the scene: give a light, 'equal-energy' or 'illuminant/…'")
-        return of_same_luminance(self.light, _not_black(key, whites[key]), palette.bands)
+        shining = whites(system, palette)
+        if not shining:
+            raise ValueError(f"none of the scene's lights ({', '.join(system.lights)}) shines in this palette")
+        if self.light in system.lights and self.light not in shining:
+            raise ValueError(f"the reference light {self.light!r} is black: choose another, or 'equal-energy'")
+        return white_among(shining, self.light, palette.bands)
 
 
-def key_light(system: LinearSystem, palette: Palette) -> str:
-    """The first light of the scene that is not ambient and not black.
+def whites(system: LinearSystem, palette: Palette) -> dict[str, Spectrum]:
+    """For each light that shines, the radiance of a perfect diffuser that faces it; the key light's first.
 
-    An ambient light is known by its white: a diffuser returns exactly its radiance, so that the coefficient is 1.
+    The key light is the first light of the scene that is not ambient.  An ambient one is known by its coefficient, 1: a
+    diffuser returns exactly the radiance that surrounds it.
     """
-    lit = [name for name in system.lights if name in palette and palette[name].any()]
-    directed = [name for name in lit if system.white[name] != 1.0 and system.white[name] > 0]
-    if not lit:
-        raise ValueError(f"none of the scene's lights ({', '.join(system.lights)}) shines in this palette")
-    return (directed or lit)[0]
-
-
-def _not_black(name: str, white: Spectrum) -> Spectrum:
-    if not white.any():
-        raise ValueError(f"the reference light {name!r} is black: choose another, or 'equal-energy'")
-    return white
+    shining = {name: value * palette[name] for name, value in system.white.items() if name in palette and value > 0}
+    lit = {name: white for name, white in shining.items() if white.any()}
+    return dict(sorted(lit.items(), key=lambda item: system.white[item[0]] == 1.0))

@@ -17,7 +17,7 @@ from symrt.spectra.bands import Bands, Number, coordinates
 from symrt.spectra.display import display_matrix, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
-from symrt.spectra.reference import Reference, key_light
+from symrt.spectra.reference import Reference, whites
 from symrt.system import Interaction, LinearSystem, Tail
 
 __all__ = ["gamma", "preview", "shade"]
@@ -76,11 +76,12 @@ def shade(
     if vectors is not None:
         spectra = spectra @ vectors.T
         cut_off = None if cut_off is None else _in_basis(vectors, cut_off)
+    _check_range(system, spectra, np.finfo(dtype))
     values = system.G.astype(dtype, copy=False) @ spectra.astype(dtype, copy=False)
     return SpectralImage(
         values=values.reshape(system.height, system.width, -1),
         bands=palette.bands if vectors is None else coordinates(len(vectors)),
-        white=None if vectors is not None else _white(system, palette),
+        whites={} if vectors is not None else whites(system, palette),
         cut_off=cut_off,
         seconds=time.perf_counter() - start,
     )
@@ -107,7 +108,10 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     factors = np.full((len(interactions), 1 + max((i.degree for i in interactions), default=0)), len(symbols))
     for row, i in zip(factors, interactions, strict=True):
         row[: 1 + i.degree] = [number[name] for name in (i.light, *i.met)]
-    return spectra[factors].prod(axis=1)
+    product = spectra[factors[:, 0]]
+    for column in factors.T[1:]:
+        product *= spectra[column]
+    return product
 
 
 def check_symbols(symbols: Sequence[str], palette: Palette) -> None:
@@ -171,6 +175,19 @@ def preview(
     return np.concatenate(codes).reshape(system.height, system.width, 3)
 
 
+def _check_range(system: LinearSystem, spectra: Float[np.ndarray, "interaction band"], limits: np.finfo) -> None:
+    """Refuse radiances that the number format may not hold: an infinite one would make others nan."""
+    coefficient = max(system.G.data.max(initial=0.0), -system.G.data.min(initial=0.0))
+    product = np.abs(spectra).max(initial=0.0)
+    with np.errstate(over="ignore"):
+        largest = coefficient * product * len(system.interactions)
+    if not largest < limits.max:
+        raise ValueError(
+            f"radiances may pass {limits.max:.1g}: products of spectra reach {product:.2g} and coefficients "
+            f"{coefficient:.2g}; scale the lights down"
+        )
+
+
 def _row_blocks(matrix: sparse.csr_array) -> Iterator[sparse.csr_array]:
     """Views of G, some rows at a time: their three bands stay in a core's cache until they are encoded."""
     for first in range(0, matrix.shape[0], ROWS):
@@ -195,8 +212,3 @@ def _vectors(basis: Vectors | HasVectors, bands: Bands) -> Vectors:
     if not error <= 1e-9:
         raise ValueError(f"the basis is not orthonormal, by {error:.2g}: coordinates would not stand for spectra")
     return vectors
-
-
-def _white(system: LinearSystem, palette: Palette) -> Spectrum | None:
-    lit = any(palette[name].any() for name in system.lights if name in palette)
-    return Reference(key_light(system, palette)).white(system, palette) if lit else None

@@ -36,7 +36,7 @@ def derived_srgb():
 
 
 def image_of(values, white, bands=BANDS):
-    return SpectralImage(np.reshape(values, (1, -1, len(bands))), bands, white=white)
+    return SpectralImage(np.reshape(values, (1, -1, len(bands))), bands, {} if white is None else {"sun": white})
 
 
 def xyz_by_colour(radiance, white):
@@ -139,6 +139,27 @@ def test_one_image_s_white_shows_another_dimmer():
     np.testing.assert_allclose(linear_rgb(dim, reference=white), 0.25, rtol=1e-12)
 
 
+def test_any_light_of_the_scene_can_be_the_reference():
+    whites = {"sun": spectrum("illuminant/D65", BANDS), "lamp": 0.5 * spectrum("illuminant/A", BANDS)}
+    image = SpectralImage(whites["lamp"].reshape(1, 1, 36), BANDS, whites)
+    np.testing.assert_allclose(linear_rgb(image, reference="lamp"), 1.0, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(linear_rgb(image, reference="sun"), linear_rgb(image))
+    assert linear_rgb(image)[0, 0, 0] > linear_rgb(image)[0, 0, 2]
+    with pytest.raises(ValueError, match="no light 'lmap': did you mean 'lamp'"):
+        linear_rgb(image, reference="lmap")
+
+
+def test_a_single_band_is_shown_as_grey():
+    image = image_of([0.0, 1.0, 2.0], np.array([2.0]), Bands((700.0,)))
+    np.testing.assert_allclose(linear_rgb(image)[0], [[0.0] * 3, [0.5] * 3, [1.0] * 3], rtol=1e-12)
+
+
+def test_a_white_without_blue_is_not_adapted_to_with_infinite_gains():
+    red = wavelengths(620, 700, 10)
+    with pytest.raises(ValueError, match="too saturated"):
+        linear_rgb(image_of(np.ones(9), np.ones(9), red))
+
+
 def test_what_a_screen_cannot_show_is_counted():
     values = np.array([[0.2, 0.2, 0.2], [1.0, 1.0, 1.0], [1.1, 0.5, 0.5], [0.5, 0.5, 2.0]])
     assert clipped(image_of(values, np.ones(3), RGB)) == 0.5
@@ -169,7 +190,7 @@ def test_every_code_is_reached_and_every_threshold_is_on_its_side():
     ("act", "reason"),
     [
         (lambda: to_rgb(image_of(np.ones(5), None, coordinates(5))), "basis coordinates"),
-        (lambda: to_rgb(image_of(np.ones(36), None)), "no reference white"),
+        (lambda: to_rgb(image_of(np.ones(36), None)), "no light shines"),
         (lambda: to_rgb(image_of(np.ones(36), np.zeros(36))), "no luminance"),
         (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), exposure=0.0), "above 0"),
         (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), exposure=float("nan")), "above 0"),

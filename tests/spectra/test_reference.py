@@ -7,7 +7,7 @@ from scipy import sparse
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference, key_light
+from symrt.spectra.reference import Reference, whites
 from symrt.system import LinearSystem
 
 BANDS = wavelengths(380, 730, 10)
@@ -33,9 +33,9 @@ def test_exposure_leaves_the_white_alone():
 def test_the_key_light_is_the_first_that_is_neither_ambient_nor_black():
     system = make_system(sky=1.0, dark=1 / np.pi, sun=1 / np.pi, lamp=0.1)
     palette = Palette(RGB, {"sky": 1.0, "dark": 0.0, "sun": 1.0, "lamp": 1.0})
-    assert key_light(system, palette) == "sun"
+    assert list(whites(system, palette)) == ["sun", "lamp", "sky"]
     np.testing.assert_array_equal(Reference().white(system, palette), Reference("sun").white(system, palette))
-    assert key_light(make_system(sky=1.0), palette) == "sky"
+    np.testing.assert_array_equal(Reference().white(make_system(sky=1.0), palette), [1.0, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("name", ["equal-energy", "illuminant/A", "Illuminant/a"])
@@ -55,7 +55,7 @@ def test_an_exposure_that_is_none_is_refused(exposure):
 
 def test_a_reference_that_is_not_there_or_gives_no_light_is_refused():
     system, palette = make_system(sun=0.3, dark=0.3), Palette(RGB, {"sun": 1.0, "dark": 0.0})
-    with pytest.raises(ValueError, match=r"no light 'son' \(did you mean 'sun'\?\)"):
+    with pytest.raises(ValueError, match="no light 'son': did you mean 'sun'"):
         Reference("son").white(system, palette)
     with pytest.raises(ValueError, match="'dark' is black"):
         Reference("dark").white(system, palette)

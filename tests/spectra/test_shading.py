@@ -237,3 +237,19 @@ def test_a_preview_made_in_blocks_has_the_bits_of_its_parts():
     whole = preview(system, palette)
     top = replace(system, G=system.G[: 200 * 100], height=100)
     np.testing.assert_array_equal(preview(top, palette), whole[:100])
+
+
+@pytest.mark.parametrize(("light", "dtype"), [(1e300, np.float64), (1e36, np.float32)])
+def test_radiances_that_a_number_cannot_hold_are_refused_not_made_infinite(light, dtype):
+    system, palette = make_system(), make_palette()
+    system = replace(system, G=system.G * 1e10)
+    with pytest.raises(ValueError, match="scale the lights down"):
+        shade(system, palette.replace(sun=light), dtype=dtype)
+    assert np.isfinite(shade(system, palette.replace(sun=light / 1e12), dtype=dtype).values).all()
+
+
+def test_every_light_s_white_comes_with_the_image():
+    image = shade(make_system(), make_palette())
+    assert list(image.whites) == ["sun", "sky"]
+    np.testing.assert_allclose(image.white, 0.3 * make_palette()["sun"], rtol=1e-15)
+    assert shade(make_system(), make_palette(), basis=np.eye(36)).white is None
