@@ -142,12 +142,18 @@ def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
     spectra = gamma(tail.interactions, palette)
     mirrors = {name for i in tail.interactions for name in i.met if name.endswith(".mirror")}
     largest = np.max([palette[name] for name in sorted(mirrors)], axis=0, initial=0.0)
-    lit = np.diff(tail.bound.indptr) > 0
-    first = (tail.bound[lit] @ spectra).max(axis=0, initial=0.0) * (1 + 1e-12)
+    # Most pixels see no mirror: their empty rows are left out.
+    ends = tail.bound.indptr[1:][np.diff(tail.bound.indptr) > 0]
+    rows = (tail.bound.data, tail.bound.indices, np.append(0, ends))
+    lit = sparse.csr_array(rows, (len(ends), len(spectra)))
+    first = np.zeros(len(palette.bands))
+    for block in _row_blocks(lit, ROWS // 8):
+        np.maximum(first, (block @ spectra).max(axis=0), out=first)
+    first *= 1 + 1e-12
     remaining = np.where(largest < 1, 1 - largest, 1.0)
     # Products may underflow: a bound that is not zero stays so.
     bound = np.nextafter(first / remaining, np.inf)
-    return np.where((largest >= 1) & (first > 0), np.inf, bound if lit.any() else 0.0 * first)
+    return np.where((largest >= 1) & (first > 0), np.inf, bound if len(ends) else first)
 
 
 def preview(
@@ -171,7 +177,7 @@ def preview(
     seen = Reference(exposure=exposure).white(system, palette) if white is None else white
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     colours = spectra @ (exposure * display_matrix(palette.bands, seen))
-    codes = [to_rgb8(rows @ colours) for rows in _row_blocks(system.G)]
+    codes = [to_rgb8(rows @ colours) for rows in _row_blocks(system.G, ROWS)]
     return np.concatenate(codes).reshape(system.height, system.width, 3)
 
 
@@ -188,10 +194,10 @@ def _check_range(system: LinearSystem, spectra: Float[np.ndarray, "interaction b
         )
 
 
-def _row_blocks(matrix: sparse.csr_array) -> Iterator[sparse.csr_array]:
-    """Views of G, some rows at a time: their three bands stay in a core's cache until they are encoded."""
-    for first in range(0, matrix.shape[0], ROWS):
-        indptr = matrix.indptr[first : first + ROWS + 1]
+def _row_blocks(matrix: sparse.csr_array, size: int) -> Iterator[sparse.csr_array]:
+    """Views of some rows at a time: the product of each stays in a core's cache until it is encoded or compared."""
+    for first in range(0, matrix.shape[0], size):
+        indptr = matrix.indptr[first : first + size + 1]
         part = slice(indptr[0], indptr[-1])
         rows = (matrix.data[part], matrix.indices[part], indptr - indptr[0])
         yield sparse.csr_array(rows, (len(indptr) - 1, matrix.shape[1]))
