@@ -1,4 +1,4 @@
-"""The reference white: what MATHS of the product calls w."""
+"""The reference white: the radiance of a perfect diffuser, and nothing else, is what pixels are divided by."""
 
 import numpy as np
 import pytest
