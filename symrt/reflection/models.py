@@ -1,8 +1,8 @@
 """Models of reflection: each one is its formulas (step 1; MATHS of the models in the references).
 
 ``direct`` is the radiance towards the viewer per unit irradiance on a surface that faces the light; ``ambient`` per
-unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view.  Cosines
-arrive clamped to [0, 1], and a light behind the surface is not asked.
+unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view.
+Cosines arrive clamped to [0, 1], and a light behind the surface is not asked.
 
 References
 ----------

@@ -1,8 +1,8 @@
 """The kinds of symbol that a model of reflection is written in (step 1).
 
 A formula is partially evaluated by binding time [1]_.  *Static*, known after tracing: geometric factors and
-parameters.  *Dynamic*, free until shading: lights and reflectances.  The kind of a symbol is its class, so two symbols of
-one name and different kinds never meet.
+parameters.  *Dynamic*, free until shading: lights and reflectances.  The kind of a symbol is its class, so two symbols
+of one name and different kinds never meet.
 
 References
 ----------
@@ -165,6 +165,17 @@ def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float) 
     x = np.clip(one_minus_cosine, 0.0, 1.0).astype(np.longdouble)
     with np.errstate(divide="ignore", under="ignore"):
         return np.exp(np.longdouble(exponent) * np.log1p(-x)).astype(np.float64)
+
+
+def lobe_value(one_minus_cosine: float, exponent: float) -> float:
+    """One value of `lobe_values`.
+
+    Examples
+    --------
+    >>> lobe_value(0.5, 2.0)
+    0.25
+    """
+    return float(lobe_values(np.array([float(one_minus_cosine)]), float(exponent))[0])
 
 
 def checked_name(name: object) -> str:

@@ -1,0 +1,54 @@
+"""Upper bounds of a model's formulas, by interval arithmetic: what the depth limit cuts off is bounded with them."""
+
+import functools
+import operator
+from collections.abc import Mapping
+from typing import Any
+
+import sympy
+from mpmath import iv
+
+from symrt.reflection.symbols import Lobe, Parameter
+
+Interval = Any
+"""An mpmath interval."""
+
+LARGEST_POWER = 64
+"""Integer powers up to this one are bounded; no bound is known of larger ones."""
+
+
+def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> float:
+    """An upper bound of `formula` over all reflectances and cosines in [0, 1], and parameters in their `ranges`.
+
+    Infinite where none is known.
+
+    Examples
+    --------
+    >>> from symrt.reflection import MODELS
+    >>> round(largest(MODELS["phong_plain"].direct, {"exponent": (60.0, 60.0)}) * 3.14159265, 6)
+    2.0
+    """
+    return float(_interval(formula, ranges).b)
+
+
+def _interval(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    if isinstance(expression, sympy.Rational):
+        return iv.mpf(int(expression.p)) / iv.mpf(int(expression.q))
+    if expression.is_Atom or isinstance(expression, Lobe):
+        return _atom(expression, ranges)
+    parts = [_interval(part, ranges) for part in expression.args]
+    if expression.is_Add:
+        return functools.reduce(operator.add, parts)
+    if expression.is_Mul:
+        return functools.reduce(operator.mul, parts)
+    if expression.is_Pow and expression.exp.is_Integer and abs(expression.exp) <= LARGEST_POWER:
+        return parts[0] ** int(expression.exp)
+    return iv.mpf(["-inf", "inf"])
+
+
+def _atom(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    if isinstance(expression, Parameter):
+        return iv.mpf(list(ranges[expression.name]))
+    if expression.is_Float:
+        return iv.mpf(float(expression))
+    return iv.pi if expression is sympy.pi else iv.mpf([0, 1])

@@ -1,0 +1,114 @@
+"""A formula compiled: split into monomials, its coefficients turned into one NumPy function (step 2).
+
+This is done once a material, never once a pixel.
+"""
+
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy
+from jaxtyping import Float
+
+from symrt.reflection.polynomials import Monomial, monomials
+from symrt.reflection.symbols import Factor, Parameter, lobe_values
+from symrt.system import Nodes
+
+NodeIndex = tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """Σ_k c_k(factors) Π reflectances: the products, and a function that gives the coefficients c_k.
+
+    Parameters
+    ----------
+    terms
+        For each coefficient the reflectances it belongs to, and the node of each free parameter that it depends on.
+    factors
+        The geometric factors that the coefficients depend on.
+    expressions
+        The coefficients, with nothing but factors left in them.
+    """
+
+    terms: tuple[tuple[Monomial, NodeIndex], ...]
+    factors: tuple[str, ...]
+    expressions: tuple[sympy.Expr, ...]
+
+    @cached_property
+    def function(self) -> Callable[..., list[object]]:
+        """The coefficients as one NumPy function of the factors, common subexpressions shared."""
+        # Dummies stand for the factors, so that no name of a symbol is ever executed.
+        stand_in = {Factor(name): sympy.Dummy() for name in self.factors}
+        return sympy.lambdify(
+            list(stand_in.values()),
+            [expression.xreplace(stand_in) for expression in self.expressions],
+            modules=[{"Lobe": lobe_values}, "numpy"],
+            cse=True,
+        )
+
+    def __getstate__(self) -> dict[str, object]:
+        # The function is compiled anew in another process: functions made at run time cannot be sent.
+        return {name: value for name, value in self.__dict__.items() if name != "function"}
+
+    def coefficients(self, factors: Mapping[str, np.ndarray], size: int) -> list[Float[np.ndarray, " point"]]:
+        """The coefficient of each term at each point.
+
+        Raises
+        ------
+        ValueError
+            If a formula has no finite value at some point.
+        """
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            values = self.function(*(factors[name] for name in self.factors))
+        arrays = [np.broadcast_to(np.asarray(value, dtype=np.float64), (size,)) for value in values]
+        for (met, _), array in zip(self.terms, arrays, strict=True):
+            finite = np.isfinite(array)
+            if not finite.all():
+                where = {name: float(factors[name][np.argmin(finite)]) for name in self.factors}
+                raise ValueError(
+                    f"the coefficient of {'*'.join(met) or '1'} is not finite at {where}: guard the formula"
+                )
+        return arrays
+
+
+def compile_formula(
+    formula: sympy.Expr, material: str, parameters: Mapping[str, float], free: Mapping[str, Nodes] | None = None
+) -> Compiled:
+    """Bind the parameters of a material, split what is left, and compile its coefficients.
+
+    A coefficient that depends on a free parameter is compiled once for each of its nodes.
+
+    Examples
+    --------
+    >>> from symrt.reflection import MODELS
+    >>> compiled = compile_formula(MODELS["lambert"].direct, "sea", {})
+    >>> compiled.terms, compiled.coefficients({"n_dot_l": np.array([0.0, 1.0])}, 2)
+    (((('sea.diffuse',), ()),), [array([0.        , 0.31830989])])
+    """
+    free = free or {}
+    values = {Parameter(name): sympy.Float(float(value)) for name, value in parameters.items() if name not in free}
+    terms: list[tuple[Monomial, NodeIndex]] = []
+    coefficients: list[sympy.Expr] = []
+    for met, coefficient in monomials(formula).items():
+        for index, bound in _at_nodes(coefficient.xreplace(values), free):
+            terms.append((tuple(f"{material}.{name}" for name in met), index))
+            coefficients.append(bound)
+    factors = tuple(sorted({symbol.name for c in coefficients for symbol in c.atoms(Factor)}))
+    return Compiled(tuple(terms), factors, tuple(coefficients))
+
+
+def _at_nodes(coefficient: sympy.Expr, free: Mapping[str, Nodes]) -> list[tuple[NodeIndex, sympy.Expr]]:
+    names = sorted(symbol.name for symbol in coefficient.atoms(Parameter))
+    if missing := [name for name in names if name not in free]:
+        raise ValueError(f"{coefficient}: {', '.join(missing)} has no value; give it one in the material")
+    choices = itertools.product(*(enumerate(free[name].values) for name in names))
+    return [
+        (
+            tuple((free[name].parameter, j) for name, (j, _) in zip(names, choice, strict=True)),
+            coefficient.xreplace({Parameter(n): sympy.Float(v) for n, (_, v) in zip(names, choice, strict=True)}),
+        )
+        for choice in choices
+    ]

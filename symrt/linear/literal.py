@@ -1,0 +1,88 @@
+"""SymPy all the way: trees of pixels, expanded to linear forms, lambdified into a coefficient matrix (step 2).
+
+This is the paper's §4 taken at its word, one pixel at a time: the teaching version, and the proof that the array path
+in `collapse` does the same.  It is hundreds of times slower.
+"""
+
+from collections.abc import Iterable, Mapping
+
+import sympy
+from scipy import sparse
+
+from symrt.linear.formulas import Formula
+from symrt.reflection.symbols import Factor, Light, Reflectance, lobe_value
+from symrt.system import Interaction, LinearSystem
+
+__all__ = ["coefficient_matrix", "linear_form"]
+
+
+def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
+    """Coefficient of each product of one light and some reflectances.
+
+    Raises
+    ------
+    ValueError
+        If a term has no light, several lights, or is not a product of powers of its symbols.
+
+    Examples
+    --------
+    >>> from symrt.reflection.symbols import n_dot_l
+    >>> lit = Light("sun") * (Reflectance("sea.diffuse") + Reflectance("sea.specular")) * n_dot_l
+    >>> {str(interaction): coefficient for interaction, coefficient in linear_form(lit).items()}
+    {'sun*sea.diffuse': n_dot_l, 'sun*sea.specular': n_dot_l}
+    """
+    form: dict[Interaction, list[sympy.Expr]] = {}
+    dynamic = expression.atoms(Light, Reflectance)
+    for term in sympy.Add.make_args(sympy.expand(expression, deep=True, power_base=False, power_exp=False)):
+        if term == 0:
+            continue
+        coefficient, product = term.as_independent(*dynamic, as_Add=False)
+        form.setdefault(_interaction(product), []).append(coefficient)
+    return {interaction: sympy.Add(*form[interaction]) for interaction in sorted(form)}
+
+
+def coefficient_matrix(
+    formulas: Iterable[Formula], width: int, height: int, white: Mapping[str, float]
+) -> LinearSystem:
+    """Collapse pixels' formulas, row by row from the top, into a linear system.
+
+    The formulas may come from `expressions`, or be a user's own.
+
+    Examples
+    --------
+    >>> grey = Formula(Light("sun") * Reflectance("sea.diffuse") / 4)
+    >>> coefficient_matrix([grey], 1, 1, {"sun": 1.0}).G.toarray()
+    array([[0.25]])
+    """
+    rows = [_coefficients(pixel) for pixel in formulas]
+    interactions = sorted({interaction for row in rows for interaction in row})
+    column = {interaction: j for j, interaction in enumerate(interactions)}
+    matrix = sparse.lil_array((len(rows), len(interactions)))
+    for n, row in enumerate(rows):
+        for interaction, g in row.items():
+            matrix[n, column[interaction]] = g
+    return LinearSystem(matrix.tocsr(), tuple(interactions), height, width, dict(white))
+
+
+def _coefficients(pixel: Formula) -> dict[Interaction, float]:
+    form = linear_form(pixel.expression)
+    letters = {Factor(name): sympy.Dummy() for name in pixel.values}
+    function = sympy.lambdify(
+        list(letters.values()),
+        [coefficient.xreplace(letters) for coefficient in form.values()],
+        modules=[{"Lobe": lobe_value}, "numpy"],
+    )
+    values = function(*pixel.values.values())
+    return {interaction: float(g) for interaction, g in zip(form, values, strict=True) if g != 0}
+
+
+def _interaction(product: sympy.Expr) -> Interaction:
+    lights, met = [], []
+    for factor in sympy.Mul.make_args(product):
+        base, power = factor.as_base_exp()
+        if not isinstance(base, Light | Reflectance) or not (power.is_Integer and power > 0):
+            raise ValueError(f"{product} is not a product of powers of lights and reflectances; expand it first")
+        (lights if isinstance(base, Light) else met).extend([base.name] * int(power))
+    if len(lights) != 1:
+        raise ValueError(f"{product} has {len(lights)} lights: every path of light starts at exactly one")
+    return Interaction(lights[0], tuple(sorted(met)))

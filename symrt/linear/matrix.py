@@ -1,0 +1,93 @@
+"""Gather coefficients pixel by pixel and column by column, and make the sparse G of them (step 2)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy import sparse
+
+from symrt.system import Interaction
+
+__all__ = ["Entries", "assemble", "stack_rows"]
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Coefficients on their way into G: numbers, each with its pixel and its interaction."""
+
+    columns: dict[Interaction, int] = field(default_factory=dict)
+    pixel: list[np.ndarray] = field(default_factory=list)
+    column: list[np.ndarray] = field(default_factory=list)
+    value: list[np.ndarray] = field(default_factory=list)
+
+    def add(
+        self,
+        interactions: Iterable[Interaction],
+        which: Int[np.ndarray, " entry"] | None,
+        pixel: Int[np.ndarray, " entry"],
+        value: Float[np.ndarray, " entry"],
+    ) -> None:
+        """Add values, each to the interaction that `which` numbers; zeros are left out."""
+        present = np.flatnonzero(value)
+        if not present.size:
+            return
+        number = np.array([self.columns.setdefault(i, len(self.columns)) for i in interactions], dtype=np.int32)
+        column = number[which[present]] if which is not None else np.full(present.size, number[0])
+        self.pixel.append(pixel[present].astype(np.int32))
+        self.column.append(column)
+        self.value.append(value[present])
+
+
+def assemble(entries: Entries, pixels: int) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
+    """The sparse matrix of all entries, its columns in canonical order, those that stayed empty left out.
+
+    Examples
+    --------
+    >>> entries = Entries()
+    >>> entries.add([Interaction("sun", ("sea.diffuse",))], None, np.array([1, 1]), np.array([0.25, 0.5]))
+    >>> assemble(entries, 2)[0].toarray().tolist()
+    [[0.0], [0.75]]
+    """
+    order = sorted(entries.columns)
+    rank = np.empty(len(order), dtype=np.int32)
+    rank[[entries.columns[interaction] for interaction in order]] = np.arange(len(order), dtype=np.int32)
+    pixel, column, value = (
+        np.concatenate(parts) if parts else np.empty(0, dtype)
+        for parts, dtype in ((entries.pixel, np.int32), (entries.column, np.int32), (entries.value, np.float64))
+    )
+    matrix = sparse.coo_array((value, (pixel, rank[column])), shape=(pixels, len(order))).tocsr()
+    matrix.sort_indices()
+    return without_empty_columns(matrix, tuple(order))
+
+
+def without_empty_columns(
+    matrix: sparse.csr_array, interactions: tuple[Interaction, ...]
+) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
+    """Leave out the columns that no pixel uses."""
+    used = np.bincount(matrix.indices, minlength=len(interactions)) > 0
+    if used.all():
+        return matrix, interactions
+    renumbered = (np.cumsum(used) - 1).astype(matrix.indices.dtype)
+    kept = sparse.csr_array(
+        (matrix.data, renumbered[matrix.indices], matrix.indptr), shape=(matrix.shape[0], used.sum())
+    )
+    return kept, tuple(i for i, present in zip(interactions, used, strict=True) if present)
+
+
+def stack_rows(
+    parts: list[tuple[sparse.csr_array, tuple[Interaction, ...]]], order: Int[np.ndarray, " pixel"]
+) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
+    """Put the rows of several matrices under each other, over the union of their columns, then in the given order."""
+    columns = sorted({interaction for _, interactions in parts for interaction in interactions})
+    place = {interaction: j for j, interaction in enumerate(columns)}
+    data = np.concatenate([matrix.data for matrix, _ in parts])
+    lookup = [np.array([place[i] for i in interactions], dtype=np.int32) for _, interactions in parts]
+    indices = np.concatenate([to[matrix.indices] for (matrix, _), to in zip(parts, lookup, strict=True)])
+    counts = np.concatenate([np.diff(matrix.indptr) for matrix, _ in parts])
+    starts = np.concatenate([[0], np.cumsum(counts)])[:-1]
+    indptr = np.concatenate([[0], np.cumsum(counts[order])])
+    # Entry k of the result comes from the row that its place belongs to, at the same offset within it.
+    take = np.repeat(starts[order] - indptr[:-1], counts[order]) + np.arange(data.size)
+    shape = (order.size, len(columns))
+    return sparse.csr_array((data[take], indices[take], indptr), shape=shape), tuple(columns)

@@ -1,0 +1,126 @@
+"""Print a pixel's expression as text, LaTeX or Python (steps 1 and 2).
+
+Full float64 stays inside and in Python code; digits are dropped in text and LaTeX only.
+"""
+
+import keyword
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import sympy
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.pycode import PythonCodePrinter
+from sympy.printing.str import StrPrinter
+
+from symrt.reflection.symbols import Factor, Kind
+
+
+class _Text(StrPrinter):
+    def __init__(self, digits: int) -> None:
+        super().__init__()
+        self.digits = digits
+
+    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
+        return f"{float(expr):.{self.digits}g}"
+
+
+class _Tex(LatexPrinter):
+    def __init__(self, digits: int) -> None:
+        super().__init__({"mul_symbol": r"\,"})
+        self.digits = digits
+
+    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
+        mantissa, _, exponent = f"{float(expr):.{self.digits}g}".partition("e")
+        return mantissa + (rf" \cdot 10^{{{int(exponent)}}}" if exponent else "")
+
+
+class _Python(PythonCodePrinter):
+    def __init__(self, names: Mapping[Kind, str]) -> None:
+        super().__init__({"fully_qualified_modules": True})
+        self.names = names
+
+    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
+        return repr(float(expr))
+
+    def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
+        return self.names[expr]
+
+    # The symbols of every kind are printed by the names given, whatever their names are elsewhere.
+    _print_Light = _print_Reflectance = _print_Factor = _print_Parameter = _print_Symbol  # noqa: N815 -- as above
+
+
+def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> str:
+    """Plain text.
+
+    Examples
+    --------
+    >>> text(0.238512 * Light("sun") * Reflectance("sea.diffuse"))
+    '0.2385*sun*sea.diffuse'
+    """
+    kept, left_out = _first_terms(expression, terms)
+    return _Text(digits).doprint(kept) + (f" + … ({left_out} more terms)" if left_out else "")
+
+
+def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> str:
+    r"""LaTeX source.
+
+    Examples
+    --------
+    >>> print(tex(0.25 * Light("sun") * Reflectance("sea.diffuse")))
+    0.25 \, \mathrm{sun} \, \mathrm{sea}_{\mathrm{diffuse}}
+    """
+    kept, left_out = _first_terms(expression, terms)
+    more = rf" + \dots\ (\text{{{left_out} more terms}})" if left_out else ""
+    return _Tex(digits).doprint(kept) + more
+
+
+def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[str, float], name: str) -> str:
+    """The source of a Python function of the spectra; the letters of the geometry become numbers beside it.
+
+    Examples
+    --------
+    >>> from symrt.reflection.symbols import n_dot_l
+    >>> print(python_code(Light("sun") * n_dot_l, ["sun"], {"n_dot_l": 0.5}, "pixel"))
+    import math
+    <BLANKLINE>
+    n_dot_l = 0.5
+    <BLANKLINE>
+    <BLANKLINE>
+    def pixel(sun):
+        return sun*n_dot_l
+    """
+    if not name.isidentifier() or keyword.iskeyword(name):
+        raise ValueError(f"{name!r} cannot be a function's name; give a Python identifier, such as 'pixel'")
+    names = _identifiers(expression, taken={name, "math"})
+    printer = _Python(names)
+    letters = [f"{names[Factor(letter)]} = {float(v)!r}" for letter, v in values.items() if Factor(letter) in names]
+    arguments = ", ".join(names[s] for s in _in_order(expression, spectra))
+    head = "\n".join(["import math", *([""] if letters else []), *letters])
+    return f"{head}\n\n\ndef {name}({arguments}):\n    return {printer.doprint(expression)}"
+
+
+def _first_terms(expression: sympy.Expr, terms: int | None) -> tuple[sympy.Expr, int]:
+    ordered = expression.as_ordered_terms()
+    if terms is None or len(ordered) <= terms:
+        return expression, 0
+    if terms < 1:
+        raise ValueError(f"terms = {terms}: at least one term is shown")
+    return sympy.Add(*ordered[:terms]), len(ordered) - terms
+
+
+def _in_order(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:
+    rank = {name: k for k, name in enumerate(spectra)}
+    free = [s for s in expression.free_symbols if not isinstance(s, Factor)]
+    return sorted(free, key=lambda s: (rank.get(s.name, len(rank)), s.class_key(), s.name))
+
+
+def _identifiers(expression: sympy.Expr, taken: set[str]) -> dict[Kind, str]:
+    """A Python identifier for each symbol; no two symbols share one."""
+    names: dict[Kind, str] = {}
+    for symbol in sorted(expression.free_symbols, key=lambda s: (s.class_key(), s.name)):
+        name = "".join(c if c.isalnum() and c.isascii() else "_" for c in symbol.name)
+        while name in taken or keyword.iskeyword(name) or not name.isidentifier():
+            name += "_" if name else "x"
+        taken.add(name)
+        names[symbol] = name
+    return names

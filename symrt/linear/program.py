@@ -1,0 +1,112 @@
+"""All materials of a scene compiled: what partial evaluation leaves to be run on the numbers of a tree (step 2)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symrt.linear.bounds import largest
+from symrt.linear.compiled import Compiled, compile_formula
+from symrt.reflection.nodes import choose_nodes
+from symrt.system import Nodes
+from symrt.tracing.raytree import MaterialRecord
+
+Free = Sequence[str] | Mapping[str, tuple[float, float]]
+Materials = Mapping[str, MaterialRecord]
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Compiled formulas of each material, with parameters bound.
+
+    Parameters
+    ----------
+    signatures
+        Model and parameters of each material, as text.
+    nodes
+        Of the parameters that stayed free.
+    brightest
+        Upper bounds of the materials' ``direct`` and ``ambient`` formulas.
+    """
+
+    compiled: Mapping[str, Mapping[str, Compiled]]
+    signatures: Mapping[str, str]
+    nodes: Mapping[str, Nodes]
+    brightest: Mapping[str, float]
+
+
+def make_program(materials: Materials, values: Mapping[str, float] | None = None, free: Free = ()) -> Program:
+    """Bind parameters to their values, or to nodes where they stay free, and compile.
+
+    Examples
+    --------
+    >>> from symrt.reflection import MODELS
+    >>> shiny = MaterialRecord(MODELS["phong"], {"exponent": 40.0})
+    >>> make_program({"brass": shiny}, free={"brass.exponent": (10, 160)}).nodes["brass.exponent"].high
+    160.0
+    """
+    materials = with_values(materials, values or {})
+    nodes = _nodes(materials, free)
+    # An alternative, sea>ice, is a second way to look at a material that is already counted.
+    own = {name: record for name, record in materials.items() if ">" not in name}
+    return Program(
+        compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
+        signatures={name: record.signature() for name, record in own.items()},
+        nodes={name: nodes[name] for name in sorted(nodes)},
+        brightest={field: _brightest(field, own, nodes) for field in ("direct", "ambient")},
+    )
+
+
+def with_values(materials: Materials, values: Mapping[str, float]) -> Materials:
+    """The same materials with other values of some parameters, named ``material.parameter``."""
+    _check_known(materials, values)
+    for name, value in values.items():
+        if not np.isfinite(value):
+            raise ValueError(f"{name} = {value}: a parameter must be finite")
+    return {
+        name: replace(
+            record,
+            parameters={key: float(values.get(f"{_owner(name)}.{key}", v)) for key, v in record.parameters.items()},
+        )
+        for name, record in materials.items()
+    }
+
+
+def _owner(name: str) -> str:
+    """Whose parameters a material has: ``ice``, for the alternative ``sea>ice``."""
+    return name.rpartition(">")[2]
+
+
+def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, object]) -> None:
+    known = {f"{_owner(name)}.{key}" for name, record in materials.items() for key in record.parameters}
+    if unknown := sorted(set(names) - known):
+        there = ", ".join(sorted(known)) or "none"
+        raise ValueError(f"no material has the parameter {', '.join(unknown)}; the scene's parameters: {there}")
+
+
+def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
+    _check_known(materials, free)
+    if not isinstance(free, Mapping):
+        now = {f"{name}.{key}": value for name, record in materials.items() for key, value in record.parameters.items()}
+        free = {name: (now[name] / 4, now[name] * 4) for name in free}
+    return {name: choose_nodes(name, low, high) for name, (low, high) in free.items()}
+
+
+def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> float:
+    bounds = [0.0]
+    for name, record in materials.items():
+        ranges = {key: (value, value) for key, value in record.parameters.items()}
+        ranges |= {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := f"{name}.{k}") in nodes}
+        bounds.append(largest(record.model.formulas[field], ranges))
+    return max(bounds)
+
+
+def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, Compiled]:
+    free = {key: nodes[f"{_owner(name)}.{key}"] for key in record.parameters if f"{_owner(name)}.{key}" in nodes}
+    compiled = {
+        field: compile_formula(formula, name, record.parameters, free)
+        for field, formula in record.model.formulas.items()
+    }
+    if any(index for _, index in compiled["reflected"].terms):
+        raise ValueError(f"{name}: a parameter of what it mirrors cannot stay free; give it a value instead")
+    return compiled

@@ -1,0 +1,138 @@
+"""Steps 1 and 2 together, tile by tile: the same bits for any number of workers.
+
+The size of a tile never depends on the workers, each tile is computed alone, and columns are merged in their canonical
+order.
+"""
+
+import os
+import time
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from jaxtyping import Int
+from threadpoolctl import threadpool_limits
+from tqdm.auto import tqdm
+
+from symrt.linear.collapse import run
+from symrt.linear.matrix import stack_rows
+from symrt.linear.program import Free, Program, make_program
+from symrt.scene.records import Scene
+from symrt.system import LinearSystem, Tail
+from symrt.tracing.stage import Alternatives, Stage, make_stage
+from symrt.tracing.tracer import trace_window
+
+__all__ = ["render"]
+
+Window = tuple[int, int, int, int]
+
+TILE = 32768
+"""Film samples in a tile, about: enough to amortise NumPy's calls, few enough to stay in cache and be shared out."""
+
+
+def render(
+    scene: Scene,
+    *,
+    values: Mapping[str, float] | None = None,
+    free: Free = (),
+    alternatives: Alternatives | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    progress: bool = True,
+) -> LinearSystem:
+    """Trace a scene and collapse it, tile by tile.
+
+    Parameters
+    ----------
+    values, free
+        As in `collapse`.
+    alternatives
+        As in `trace`.
+    executor
+        Any `concurrent.futures.Executor`; threads on this machine's processors if not given.
+    workers
+        Number of threads if no executor is given; the result does not depend on it.
+    progress
+        Whether a bar is shown on standard error once a render has taken a second.
+
+    Examples
+    --------
+    >>> from symrt.scene import load_scene, shipped_scene
+    >>> render(load_scene(shipped_scene("first")), progress=False).lights
+    ('lamp',)
+    """
+    start = time.perf_counter()
+    stage = make_stage(scene, alternatives)
+    program = make_program(stage.materials, values, free)
+    windows = tiles(stage.camera.width, stage.camera.height, stage.camera.samples)
+    bar = tqdm(total=len(windows), desc="render", unit="tile", delay=1, leave=False, disable=not progress)
+    with bar, threadpool_limits(1):
+        done = _each(windows, stage, program, executor, workers or _processors())
+    XX
+
+
+def tiles(width: int, height: int, samples: int) -> list[Window]:
+    """Windows that cover the film: bands of whole rows, cut across where one row is too long.
+
+    Examples
+    --------
+    >>> tiles(512, 512, 1)[:2]
+    [(0, 0, 512, 64), (0, 64, 512, 128)]
+    """
+    across = max(1, min(width, TILE // samples**2))
+    down = max(1, TILE // (across * samples**2))
+    return [
+        (x, y, min(x + across, width), min(y + down, height))
+        for y in range(0, height, down)
+        for x in range(0, width, across)
+    ]
+
+
+def _each(
+    windows: list[Window], stage: Stage, program: Program, executor: Executor | None, workers: int
+) -> Iterator[LinearSystem]:
+    task = partial(_tile, stage, program)
+    if executor is not None:
+        yield from executor.map(task, windows)
+    elif workers == 1:
+        yield from map(task, windows)
+    else:
+        with ThreadPoolExecutor(workers) as threads:
+            yield from threads.map(task, windows)
+
+
+def _tile(stage: Stage, program: Program, window: Window) -> LinearSystem:
+    tree = trace_window(stage, window)
+    start = time.perf_counter()
+    system = run(program, tree)
+    return replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
+
+
+def _merge(stage: Stage, program: Program, windows: list[Window], parts: list[LinearSystem]) -> LinearSystem:
+    width, height = stage.camera.width, stage.camera.height
+    order = _row_order(windows, width)
+    matrix, interactions = stack_rows([(part.G, part.interactions) for part in parts], order)
+    bound, cut = stack_rows([(part.tail.bound, part.tail.interactions) for part in parts if part.tail], order)
+    return LinearSystem(
+        G=matrix,
+        interactions=interactions,
+        height=height,
+        width=width,
+        white=stage.white,
+        models=program.signatures,
+        parameters=program.nodes,
+        tail=Tail(bound, cut),
+        seconds={step: sum(part.seconds[step] for part in parts) for step in ("trace", "collapse")},
+    )
+
+
+def _row_order(windows: list[Window], width: int) -> Int[np.ndarray, " pixel"]:
+    """For each pixel of the image, the row that it has when the tiles are put under each other."""
+    pixels = [(np.arange(y0, y1)[:, None] * width + np.arange(x0, x1)).ravel() for x0, y0, x1, y1 in windows]
+    return np.argsort(np.concatenate(pixels), kind="stable")
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

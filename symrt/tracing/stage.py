@@ -1,0 +1,109 @@
+"""A scene made ready for rays: files read, everything moved to the camera, models bound to materials (step 1)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
+from symrt.geometry.rays import clearance, translate
+from symrt.geometry.textures import load_texture
+from symrt.scene.cameras import Camera, moved_camera
+from symrt.scene.lights import moved, white
+from symrt.scene.records import Scene
+from symrt.tracing.plan import Plan, is_ambient, plan
+from symrt.tracing.raytree import MaterialRecord
+
+Alternatives = Mapping[str, Sequence[str]]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What every tile of a trace shares.
+
+    Parameters
+    ----------
+    slots
+        What each surface is made of, a material or a texture; a shape owns one slot, a mesh one for each of its
+        materials.
+    first_slot
+        For each shape, its first slot.
+    alternatives
+        For each material, others whose formulas are also evaluated at its points.
+    irradiance
+        For each light, an upper bound on the irradiance it gives any surface, per unit of its symbol.
+    """
+
+    camera: Camera
+    shapes: tuple[object, ...]
+    slots: tuple[str, ...]
+    first_slot: np.ndarray
+    textures: Mapping[str, object]
+    materials: Mapping[str, MaterialRecord]
+    alternatives: Alternatives
+    lights: tuple[object, ...]
+    white: Mapping[str, float]
+    irradiance: Mapping[str, float]
+    depth: int
+    plan: Plan
+
+
+def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
+    """Read a scene's files and move everything so that the camera stands at the origin.
+
+    Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
+    """
+    away = -np.array(scene.camera.position, dtype=float)
+    by = (float(away[0]), float(away[1]), float(away[2]))
+    shapes = tuple(translate(_load(shape, scene), by) for shape in scene.shapes)
+    lights = tuple(moved(light, by) for light in scene.lights)
+    camera = moved_camera(scene.camera, by)
+    slots, first = _slots(shapes)
+    return Stage(
+        camera=camera,
+        shapes=shapes,
+        slots=slots,
+        first_slot=first,
+        textures={texture.name: load_texture(texture, scene.folder) for texture in scene.textures},
+        materials=_materials(scene, alternatives or {}),
+        alternatives=dict(alternatives or {}),
+        lights=lights,
+        white={light.name: white(light, camera.target) for light in lights},
+        irradiance={light.name: _brightest(light, shapes) for light in lights},
+        depth=scene.depth,
+        plan=plan(scene),
+    )
+
+
+def _load(shape: object, scene: Scene) -> object:
+    return load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape
+
+
+def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
+    slots: list[str] = []
+    first = []
+    for shape in shapes:
+        first.append(len(slots))
+        slots += shape.materials if isinstance(shape, TriangleMesh) else [shape.material]  # type: ignore[attr-defined]
+    return tuple(slots), np.array(first, dtype=np.int64)
+
+
+def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRecord]:
+    named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
+    for material, others in alternatives.items():
+        for name in (material, *others):
+            if name not in named:
+                raise ValueError(f"alternatives: there is no material {name!r}; the scene has {', '.join(named)}")
+    return named | {f"{m}>{other}": named[other] for m, others in alternatives.items() for other in others}
+
+
+def _brightest(light: object, shapes: tuple[object, ...]) -> float:
+    if is_ambient(light):
+        return 1.0
+    kind = getattr(light, "type", None)
+    if kind == "directional":
+        return 1.0
+    if kind != "point":
+        return float("inf")
+    nearest = min((clearance(shape, np.array(light.position)) for shape in shapes), default=np.inf)  # type: ignore[attr-defined]
+    return float(1 / nearest**2) if nearest > 0 else float("inf")
