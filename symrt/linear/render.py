@@ -70,7 +70,12 @@ def render(
     bar = tqdm(total=len(windows), desc="render", unit="tile", delay=1, leave=False, disable=not progress)
     with bar, threadpool_limits(1):
         done = _each(windows, stage, program, executor, workers or _processors())
-    XX
+        parts = []
+        for part in done:
+            parts.append(part)
+            bar.update()
+    system = _merge(stage, program, windows, parts)
+    return replace(system, seconds={**system.seconds, "render": time.perf_counter() - start})
 
 
 def tiles(width: int, height: int, samples: int) -> list[Window]:

@@ -15,6 +15,7 @@ References
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import sympy
 from sympy import pi
@@ -56,9 +57,9 @@ class Model:
     frozenset({'diffuse'})
     """
 
-    direct: sympy.Expr = ZERO
-    ambient: sympy.Expr = ZERO
-    reflected: sympy.Expr = ZERO
+    direct: Any = ZERO
+    ambient: Any = ZERO
+    reflected: Any = ZERO
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -107,10 +107,6 @@ class Lobe(sympy.Function):
         power = rf"{printer.doprint(self.cosine)}^{{{printer.doprint(self.args[1])}}}"
         return rf"\left({power}\right)^{{{exp}}}" if exp else power
 
-    def _pythoncode(self, printer: Any) -> str:
-        one_minus, exponent = (printer.doprint(a) for a in self.args)
-        return f"math.exp({exponent}*math.log1p(-{one_minus}))"
-
     def _eval_evalf(self, prec: int) -> sympy.Expr:
         one_minus, exponent = (a._eval_evalf(prec) for a in self.args)  # noqa: SLF001 -- SymPy's own protocol
         return (1 - one_minus) ** exponent
@@ -138,7 +134,7 @@ def parameter(name: str) -> Parameter:
     return Parameter(checked_name(name))
 
 
-def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float) -> sympy.Expr:
+def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float | int) -> sympy.Expr:
     """A cosine to a power, exact to 2 ulp up to exponents of 1e7 where ``long double`` is wider than ``double``.
 
     Examples
@@ -151,7 +147,7 @@ def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float) -> sympy.Expr:
     return Lobe(Factor(f"one_minus_{cosine.name}"), exponent)
 
 
-def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float) -> Float[np.ndarray, " point"]:
+def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float | int) -> Float[np.ndarray, " point"]:
     """Evaluate (1 − x)^s as exp(s log1p(−x)), x clamped to [0, 1] first; anything to the power 0 is 1.
 
     Examples
@@ -167,7 +163,7 @@ def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float) 
         return np.exp(np.longdouble(exponent) * np.log1p(-x)).astype(np.float64)
 
 
-def lobe_value(one_minus_cosine: float, exponent: float) -> float:
+def lobe_value(one_minus_cosine: float | int, exponent: float | int) -> float:
     """One value of `lobe_values`.
 
     Examples

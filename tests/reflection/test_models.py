@@ -1,0 +1,148 @@
+"""Laws of models: polynomial in reflectances, energy, and the corners of a lobe."""
+
+import pickle
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from sympy import pi
+
+from symrt.reflection import (
+    MODELS,
+    Model,
+    diffuse,
+    lobe,
+    mirror,
+    n_dot_l,
+    n_dot_v,
+    parameter,
+    r_dot_v,
+    reflectance,
+    specular,
+    stack,
+)
+from symrt.reflection.polynomials import monomials
+from symrt.reflection.symbols import Factor, Light, Lobe, Parameter, Reflectance, lobe_values
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_monomials_add_up_to_the_formula(name):
+    for formula in MODELS[name].formulas.values():
+        rebuilt = sum(c * sympy.prod([Reflectance(m) for m in met]) for met, c in monomials(formula).items())
+        assert sympy.expand(rebuilt - formula) == 0
+
+
+def test_a_static_power_is_never_expanded():
+    f0 = reflectance("f0")
+    schlick = (1 - n_dot_v) ** 5 + (1 - (1 - n_dot_v) ** 5) * f0
+    assert monomials(schlick) == {(): (1 - n_dot_v) ** 5, ("f0",): 1 - (1 - n_dot_v) ** 5}
+
+
+def test_products_of_sums_become_monomials_with_repetition():
+    split = monomials((diffuse + mirror) ** 2 * n_dot_l)
+    assert split == {("diffuse", "diffuse"): n_dot_l, ("diffuse", "mirror"): 2 * n_dot_l, ("mirror", "mirror"): n_dot_l}
+
+
+@pytest.mark.parametrize(
+    ("formula", "says"),
+    [
+        (diffuse ** sympy.Rational(1, 2), "sqrt(diffuse)"),
+        (n_dot_l / (1 + specular), "specular"),
+        (sympy.exp(-diffuse), "exp(-diffuse)"),
+        (sympy.Symbol("albedo") * n_dot_l, "albedo"),
+        (Factor("n_dot_sun") * diffuse, "n_dot_sun"),
+    ],
+)
+def test_a_model_that_is_not_linear_in_products_is_refused_and_the_part_at_fault_is_shown(formula, says):
+    with pytest.raises(ValueError, match="direct|polynomial") as error:
+        Model(direct=formula)
+    assert says in str(error.value)
+
+
+@pytest.mark.parametrize("field", ["direct", "ambient", "reflected"])
+def test_a_string_is_never_parsed_into_a_formula(field):
+    with pytest.raises(ValueError, match="SymPy expression"):
+        Model(**{field: "__import__('os').system('true')"})
+
+
+@pytest.mark.parametrize("field", ["ambient", "reflected"])
+def test_what_needs_no_light_cannot_ask_for_one(field):
+    with pytest.raises(ValueError, match="needs a light"):
+        Model(**{field: diffuse * n_dot_l})
+
+
+@pytest.mark.parametrize("name", ["", "2d", "a b", "sea.diffuse", "__import__('os')", "é", "x\n"])
+def test_a_symbol_of_ones_own_has_a_plain_name(name):
+    for make in (parameter, reflectance):
+        with pytest.raises(ValueError, match="not a name"):
+            make(name)
+
+
+def test_symbols_of_one_name_and_different_kinds_stay_apart():
+    kinds = [Light("x"), Reflectance("x"), Factor("x"), Parameter("x")]
+    assert len(set(kinds)) == 4
+    assert len((sum(kinds)).args) == 4
+
+
+def test_models_survive_being_sent_to_another_process():
+    for model in MODELS.values():
+        assert pickle.loads(pickle.dumps(model)) == model  # noqa: S301
+
+
+def test_a_stack_does_what_each_of_its_models_does():
+    both = stack([MODELS["phong_plain"], MODELS["mirror"]])
+    assert both.direct == MODELS["phong_plain"].direct
+    assert both.reflected == mirror
+    assert both.components == {"diffuse", "specular", "mirror"}
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 20.0, 1000.0])
+def test_phong_never_sends_on_more_than_it_receives_when_light_and_view_are_along_the_normal(exponent):
+    # Lafortune and Willems 1994, eq. (11): the normalised lobe integrates to at most 1.
+    model = MODELS["phong"].direct.subs({diffuse: 0, specular: 1, parameter("exponent"): exponent})
+    along_normal = sympy.lambdify(
+        [n_dot_l, Factor("one_minus_r_dot_v")], model, modules=[{"Lobe": lambda x, s: (1 - x) ** s}, "math"]
+    )
+    # Seen from direction θ, lit along the normal: reciprocity makes this the albedo for a view along the normal.
+    albedo = quad(lambda t: 2 * np.pi * np.sin(t) * along_normal(np.cos(t), 1 - np.cos(t)), 0, np.pi / 2)[0]
+    assert albedo == pytest.approx(1.0, rel=1e-9)
+
+
+@given(st.floats(0, 2), st.floats(0, 1e7))
+def test_a_lobe_is_within_2_ulp_of_50_digits(one_minus, exponent):
+    value = lobe_values(np.array([one_minus]), exponent)[0]
+    with mpmath.workdps(50):
+        exact = mpmath.power(max(mpmath.mpf(1) - mpmath.mpf(one_minus), 0), mpmath.mpf(exponent))
+    assert abs(value - exact) <= 2 * np.spacing(float(exact))
+
+
+def test_the_corners_of_a_lobe():
+    # rows: 1 − cosine; columns: exponent 0, 1, 1e7.  A power of 0 is 1 everywhere, even at a cosine of 0.
+    table = {0.0: (1.0, 1.0, 1.0), 1.0: (1.0, 0.0, 0.0), 2.0: (1.0, 0.0, 0.0), -1e-17: (1.0, 1.0, 1.0)}
+    for one_minus, row in table.items():
+        found = tuple(float(lobe_values(np.array([one_minus]), s)[0]) for s in (0.0, 1.0, 1e7))
+        assert found == row
+
+
+def test_a_lobe_prints_as_a_power_of_its_cosine():
+    shown = lobe(r_dot_v, parameter("exponent"))
+    assert isinstance(shown, Lobe)
+    assert str(shown) == "r_dot_v**exponent"
+    assert sympy.latex(shown) == r"(r \cdot v)^{\mathrm{exponent}}"
+    assert shown.free_symbols == {Factor("one_minus_r_dot_v"), parameter("exponent")}
+
+
+def test_only_a_cosine_has_a_lobe():
+    with pytest.raises(ValueError, match="one of the cosines"):
+        lobe(Factor("one_minus_r_dot_v"), 3)
+
+
+def test_a_model_asks_for_the_factors_in_its_formulas_and_no_others():
+    assert MODELS["lambert"].factors == {"n_dot_l"}
+    assert MODELS["phong"].factors == {"n_dot_l", "one_minus_r_dot_v"}
+    assert Model(reflected=mirror * n_dot_v).factors == {"n_dot_v"}
+    assert Model(direct=diffuse / pi).factors == frozenset()
