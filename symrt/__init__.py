@@ -1,7 +1,8 @@
 """symrt: a symbolic spectral ray tracer.
 
 A scene is rendered once, with every light and material left free as symbols, and then answers without rendering again.
-The public names are grouped by the five steps of the method; each loads on first use, so that ``import symrt`` is quick.
+The public names are grouped by the five steps of the method; each loads on first use, so that ``import symrt`` is
+quick.
 """
 
 from importlib import import_module
@@ -11,18 +12,50 @@ __version__ = "0.1.0"
 
 _NAMES = {
     # What is there
-    "symrt.scene": ["Camera", "Material", "Scene", "load_scene", "shipped_scene"]
-    + ["AmbientLight", "DirectionalLight", "Illumination", "PointLight"],
-    "symrt.geometry": ["Cylinder", "Disk", "Mesh", "Plane", "Rectangle", "Sphere", "TriangleMesh"]
-    + ["BandedRelief", "Checker", "LabelImage", "WeightImage"],
+    "symrt.scene": [
+        "Camera",
+        "Material",
+        "Scene",
+        "load_scene",
+        "shipped_scene",
+        "AmbientLight",
+        "DirectionalLight",
+        "Illumination",
+        "PointLight",
+    ],
+    "symrt.geometry": [
+        "Cylinder",
+        "Disk",
+        "Mesh",
+        "Plane",
+        "Rectangle",
+        "Sphere",
+        "TriangleMesh",
+        "BandedRelief",
+        "Checker",
+        "LabelImage",
+        "WeightImage",
+    ],
     "symrt.reflection": ["MODELS", "Model", "lobe", "parameter", "reflectance", "stack"],
     # 1 and 2: trace, collapse, print
     "symrt.tracing": ["RayTree", "plan", "trace"],
     "symrt.linear": ["Formula", "coefficient_matrix", "collapse", "expressions", "formula", "linear_form", "render"],
     "symrt.system": ["Interaction", "LinearSystem", "load_system", "save_system"],
     # 3: shade
-    "symrt.spectra": ["Bands", "Palette", "Reference", "SpectralImage", "load_palettes", "preview", "save_image"]
-    + ["save_palettes", "shade", "spectrum", "to_rgb", "wavelengths"],
+    "symrt.spectra": [
+        "Bands",
+        "Palette",
+        "Reference",
+        "SpectralImage",
+        "load_palettes",
+        "preview",
+        "save_image",
+        "save_palettes",
+        "shade",
+        "spectrum",
+        "to_rgb",
+        "wavelengths",
+    ],
     # 4: basis and gamut
     "symrt.gamut": ["Basis", "Device", "Gamut", "device_gamut", "load_device", "load_gamut", "save_gamut"],
     # 5: feedback
@@ -33,7 +66,7 @@ _NAMES = {
 }
 _ROOM = {name: room for room, names in _NAMES.items() for name in names}
 
-__all__ = ["__version__", *sorted(_ROOM)]  # noqa: PLE0604 -- the names above are strings
+__all__ = ["__version__", *sorted(_ROOM)]
 
 
 def __getattr__(name: str) -> Any:

@@ -12,7 +12,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-from symrt.reflection.symbols import Factor, Kind
+from symrt.reflection.symbols import Factor, Kind, Lobe
 
 
 class _Text(StrPrinter):
@@ -42,6 +42,10 @@ class _Python(PythonCodePrinter):
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
         return repr(float(expr))
 
+    def _print_Lobe(self, expr: Lobe) -> str:  # noqa: N802 -- SymPy's name for it
+        one_minus, exponent = (self.doprint(part) for part in expr.args)
+        return f"math.exp({exponent}*math.log1p(-{one_minus}))"
+
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]
 
@@ -54,6 +58,7 @@ def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> s
 
     Examples
     --------
+    >>> from symrt.reflection.symbols import Light, Reflectance
     >>> text(0.238512 * Light("sun") * Reflectance("sea.diffuse"))
     '0.2385*sun*sea.diffuse'
     """
@@ -66,6 +71,7 @@ def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> st
 
     Examples
     --------
+    >>> from symrt.reflection.symbols import Light, Reflectance
     >>> print(tex(0.25 * Light("sun") * Reflectance("sea.diffuse")))
     0.25 \, \mathrm{sun} \, \mathrm{sea}_{\mathrm{diffuse}}
     """
@@ -79,7 +85,7 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
 
     Examples
     --------
-    >>> from symrt.reflection.symbols import n_dot_l
+    >>> from symrt.reflection.symbols import Light, n_dot_l
     >>> print(python_code(Light("sun") * n_dot_l, ["sun"], {"n_dot_l": 0.5}, "pixel"))
     import math
     <BLANKLINE>

@@ -90,7 +90,7 @@ def test_symbols_of_one_name_and_different_kinds_stay_apart():
 
 def test_models_survive_being_sent_to_another_process():
     for model in MODELS.values():
-        assert pickle.loads(pickle.dumps(model)) == model  # noqa: S301
+        assert pickle.loads(pickle.dumps(model)) == model
 
 
 def test_a_stack_does_what_each_of_its_models_does():
