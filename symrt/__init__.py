@@ -66,7 +66,7 @@ _NAMES = {
 }
 _ROOM = {name: room for room, names in _NAMES.items() for name in names}
 
-__all__ = ["__version__", *sorted(_ROOM)]
+__all__ = ["__version__", *sorted(_ROOM)]  # noqa: PLE0604 -- the names above are strings
 
 
 def __getattr__(name: str) -> Any:

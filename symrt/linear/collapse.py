@@ -6,7 +6,6 @@ reflectances.  All points of a material are done at once.
 """
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from jaxtyping import Float, Int
 
 from symrt.linear.compiled import Compiled
 from symrt.linear.matrix import Entries, assemble
-from symrt.linear.program import Free, Program, make_program
+from symrt.linear.program import Free, Program, Values, make_program
 from symrt.reflection.polynomials import Monomial
 from symrt.system import Interaction, LinearSystem, Tail
 from symrt.tracing.raytree import Level, Points, RayTree
@@ -53,7 +52,7 @@ class Paths:
         return which, first[which] + within
 
 
-def collapse(tree: RayTree, values: Mapping[str, float] | None = None, free: Free = ()) -> LinearSystem:
+def collapse(tree: RayTree, values: Values | None = None, free: Free = ()) -> LinearSystem:
     """Collapse geometry and nonlinear parts, which leaves a linear system in lights and reflectances.
 
     Parameters
@@ -68,9 +67,9 @@ def collapse(tree: RayTree, values: Mapping[str, float] | None = None, free: Fre
     --------
     >>> from symrt.scene import load_scene, shipped_scene
     >>> from symrt.tracing import trace
-    >>> system = collapse(trace(load_scene(shipped_scene("first")), window=(20, 20, 40, 40)))
-    >>> system.width
-    20
+    >>> system = collapse(trace(load_scene(shipped_scene("first")), window=(120, 90, 140, 110)))
+    >>> [str(interaction) for interaction in system.interactions]
+    ['sun*red.diffuse', 'sun*red.specular']
     """
     start = time.perf_counter()
     program = make_program(tree.materials, values, free)

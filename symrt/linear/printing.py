@@ -12,7 +12,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-from symrt.reflection.symbols import Factor, Kind, Lobe
+from symrt.reflection.symbols import Factor, Kind
 
 
 class _Text(StrPrinter):
@@ -42,7 +42,7 @@ class _Python(PythonCodePrinter):
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
         return repr(float(expr))
 
-    def _print_Lobe(self, expr: Lobe) -> str:  # noqa: N802 -- SymPy's name for it
+    def _print_Lobe(self, expr: sympy.Expr) -> str:  # noqa: N802 -- SymPy's name for it
         one_minus, exponent = (self.doprint(part) for part in expr.args)
         return f"math.exp({exponent}*math.log1p(-{one_minus}))"
 
@@ -62,8 +62,8 @@ def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> s
     >>> text(0.238512 * Light("sun") * Reflectance("sea.diffuse"))
     '0.2385*sun*sea.diffuse'
     """
-    kept, left_out = _first_terms(expression, terms)
-    return _Text(digits).doprint(kept) + (f" + … ({left_out} more terms)" if left_out else "")
+    shown, left_out = _terms(_Text(digits), expression, terms)
+    return shown + (f" + … ({left_out} more terms)" if left_out else "")
 
 
 def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> str:
@@ -73,11 +73,10 @@ def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> st
     --------
     >>> from symrt.reflection.symbols import Light, Reflectance
     >>> print(tex(0.25 * Light("sun") * Reflectance("sea.diffuse")))
-    0.25 \, \mathrm{sun} \, \mathrm{sea}_{\mathrm{diffuse}}
+    0.25\,\mathrm{sun}\,\mathrm{sea}_{\mathrm{diffuse}}
     """
-    kept, left_out = _first_terms(expression, terms)
-    more = rf" + \dots\ (\text{{{left_out} more terms}})" if left_out else ""
-    return _Tex(digits).doprint(kept) + more
+    shown, left_out = _terms(_Tex(digits), expression, terms)
+    return shown + (rf" + \dots\ (\text{{{left_out} more terms}})" if left_out else "")
 
 
 def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[str, float], name: str) -> str:
@@ -102,16 +101,24 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
     letters = [f"{names[Factor(letter)]} = {float(v)!r}" for letter, v in values.items() if Factor(letter) in names]
     arguments = ", ".join(names[s] for s in _in_order(expression, spectra))
     head = "\n".join(["import math", *([""] if letters else []), *letters])
-    return f"{head}\n\n\ndef {name}({arguments}):\n    return {printer.doprint(expression)}"
+    return f"{head}\n\n\ndef {name}({arguments}):\n    return {_terms(printer, expression)[0]}"
 
 
-def _first_terms(expression: sympy.Expr, terms: int | None) -> tuple[sympy.Expr, int]:
-    ordered = expression.as_ordered_terms()
-    if terms is None or len(ordered) <= terms:
-        return expression, 0
-    if terms < 1:
-        raise ValueError(f"terms = {terms}: at least one term is shown")
-    return sympy.Add(*ordered[:terms]), len(ordered) - terms
+def _terms(printer: Any, expression: sympy.Expr, most: int | None = None) -> tuple[str, int]:
+    """The first terms of a sum, ordered by their symbols' names, and how many were left out.
+
+    SymPy's own order of terms takes seconds for thousands of symbols.
+    """
+    if most is not None and most < 1:
+        raise ValueError(f"terms = {most}: at least one term is shown")
+    ordered = sorted(sympy.Add.make_args(expression), key=_order)
+    shown = " + ".join(printer.doprint(term) for term in ordered[:most])
+    return shown.replace(" + -", " - "), len(ordered) - len(ordered[:most])
+
+
+def _order(term: sympy.Expr) -> list[tuple[Any, str, str]]:
+    powers = term.as_powers_dict().items()
+    return sorted((base.class_key(), base.name, str(power)) for base, power in powers if isinstance(base, Kind))
 
 
 def _in_order(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:

@@ -11,7 +11,8 @@ from symrt.reflection.nodes import choose_nodes
 from symrt.system import Nodes
 from symrt.tracing.raytree import MaterialRecord
 
-Free = Sequence[str] | Mapping[str, tuple[float, float]]
+Values = Mapping[str, float | int]
+Free = Sequence[str] | Mapping[str, tuple[float | int, float | int]]
 Materials = Mapping[str, MaterialRecord]
 
 
@@ -35,7 +36,7 @@ class Program:
     brightest: Mapping[str, float]
 
 
-def make_program(materials: Materials, values: Mapping[str, float] | None = None, free: Free = ()) -> Program:
+def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
     """Bind parameters to their values, or to nodes where they stay free, and compile.
 
     Examples
@@ -57,7 +58,7 @@ def make_program(materials: Materials, values: Mapping[str, float] | None = None
     )
 
 
-def with_values(materials: Materials, values: Mapping[str, float]) -> Materials:
+def with_values(materials: Materials, values: Values) -> Materials:
     """The same materials with other values of some parameters, named ``material.parameter``."""
     _check_known(materials, values)
     for name, value in values.items():

@@ -6,7 +6,7 @@ order.
 
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -18,7 +18,7 @@ from tqdm.auto import tqdm
 
 from symrt.linear.collapse import run
 from symrt.linear.matrix import stack_rows
-from symrt.linear.program import Free, Program, make_program
+from symrt.linear.program import Free, Program, Values, make_program
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem, Tail
 from symrt.tracing.stage import Alternatives, Stage, make_stage
@@ -35,7 +35,7 @@ TILE = 32768
 def render(
     scene: Scene,
     *,
-    values: Mapping[str, float] | None = None,
+    values: Values | None = None,
     free: Free = (),
     alternatives: Alternatives | None = None,
     executor: Executor | None = None,
@@ -61,7 +61,7 @@ def render(
     --------
     >>> from symrt.scene import load_scene, shipped_scene
     >>> render(load_scene(shipped_scene("first")), progress=False).lights
-    ('lamp',)
+    ('sun',)
     """
     start = time.perf_counter()
     stage = make_stage(scene, alternatives)

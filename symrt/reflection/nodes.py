@@ -11,7 +11,7 @@ from symrt.system import Nodes
 MOST = 32
 
 
-def choose_nodes(parameter: str, low: float, high: float, tolerance: float = 1e-6) -> Nodes:
+def choose_nodes(parameter: str, low: float | int, high: float | int, tolerance: float = 1e-6) -> Nodes:
     """The fewest nodes that interpolate every power cos^s, s in [low, high], within `tolerance`.
 
     Raises

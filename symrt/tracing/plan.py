@@ -1,19 +1,31 @@
 """Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from symrt.scene.lights import AmbientLight
 from symrt.scene.records import Scene
 
-__all__ = ["Effect", "Plan", "plan"]
+__all__ = ["Effect", "Plan", "is_ambient", "plan"]
+
+HEAD = ("effect", "", "called for by", "rays at most")
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect: what it does, and what in the scene calls for it; nothing does where `called_by` is empty."""
+    """One effect, and what in the scene calls for it.
+
+    Parameters
+    ----------
+    without
+        Why it is left out where nothing calls for it.
+    rays
+        How many rays it may cost.
+    """
 
     name: str
-    does: str
     called_by: tuple[str, ...]
+    without: str
     rays: str
 
     @property
@@ -21,10 +33,17 @@ class Effect:
         """Whether the scene calls for it."""
         return bool(self.called_by)
 
+    @property
+    def row(self) -> tuple[str, str, str, str]:
+        """The effect as a row of the plan's table."""
+        if self.simulated:
+            return self.name, "simulated", ", ".join(self.called_by), self.rays
+        return self.name, "left out", self.without, "none"
+
 
 @dataclass(frozen=True)
 class Plan:
-    """The effects a trace will simulate, and those it leaves out because nothing calls for them."""
+    """The effects that a trace will simulate, and those it leaves out because nothing calls for them."""
 
     effects: tuple[Effect, ...]
 
@@ -32,23 +51,13 @@ class Plan:
         return any(effect.simulated for effect in self.effects if effect.name == name)
 
     def __str__(self) -> str:
-        rows = [
-            (e.name, "simulated" if e.simulated else "left out", ", ".join(e.called_by) or f"nothing {e.does}", e.rays)
-            for e in self.effects
-        ]
-        head = ("effect", "", "called for by", "rays at most")
-        widths = [max(len(row[column]) for row in (head, *rows)) for column in range(4)]
-        return "\n".join(
-            "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip() for row in (head, *rows)
-        )
+        rows = [HEAD, *(effect.row for effect in self.effects)]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
     def _repr_html_(self) -> str:
-        cells = "".join(
-            f"<tr><td>{e.name}</td><td>{'simulated' if e.simulated else 'left out'}</td>"
-            f"<td>{', '.join(e.called_by) or f'nothing {e.does}'}</td><td>{e.rays}</td></tr>"
-            for e in self.effects
-        )
-        return f"<table><tr><th>effect</th><th></th><th>called for by</th><th>rays at most</th></tr>{cells}</table>"
+        rows = [f"<tr>{''.join(f'<td>{cell}</td>' for cell in effect.row)}</tr>" for effect in self.effects]
+        return f"<table><tr>{''.join(f'<th>{cell}</th>' for cell in HEAD)}</tr>{''.join(rows)}</table>"
 
 
 def plan(scene: Scene) -> Plan:
@@ -57,36 +66,43 @@ def plan(scene: Scene) -> Plan:
     Examples
     --------
     >>> from symrt.scene import load_scene, shipped_scene
-    >>> chosen = plan(load_scene(shipped_scene("first")))
-    >>> "mirrors" in chosen
-    False
+    >>> print(plan(load_scene(shipped_scene("first"))))
+    effect                    called for by                    rays at most
+    shadows        simulated  sun                              1 a hit
+    mirrors        left out   no material mirrors              none
+    ambient        left out   no light is ambient              none
+    textures       left out   no surface has one               none
+    supersampling  left out   the pixel's centre is asked for  none
     """
-    samples = scene.camera.samples
-    pixels = scene.camera.width * scene.camera.height
-    direct = [light for light in scene.lights if not is_ambient(light)]
-    used = {material.name: material for material in scene.materials if material.name in scene.used_materials}
-    mirrors = tuple(name for name, material in used.items() if material.reflection.mirrors)
-    blockers = tuple(light.name for light in direct if light.shadows) if scene.shapes else ()
+    materials, textures = used(scene)
+    mirrors = tuple(m.name for m in scene.materials if m.name in materials and m.reflection.mirrors)
+    casting = tuple(light.name for light in scene.lights if not is_ambient(light) and light.shadows)
+    ambient = tuple(light.name for light in scene.lights if is_ambient(light))
+    n, pixels = scene.camera.samples, scene.camera.width * scene.camera.height
+    supersampled = (f"camera.samples = {n}",) if n > 1 else ()
     return Plan(
         (
-            Effect("shadows", "casts shadows", blockers, f"{len(blockers)} a hit"),
-            Effect(
-                "mirrors", "is a mirror", mirrors if scene.depth else (), f"{scene.depth if mirrors else 0} a sample"
-            ),
-            Effect("ambient", "is ambient", tuple(light.name for light in scene.lights if is_ambient(light)), "0"),
-            Effect(
-                "textures", "is textured", tuple(t.name for t in scene.textures if t.name in scene.used_textures), "0"
-            ),
-            Effect(
-                "supersampling",
-                "asks for more than one sample",
-                (f"camera.samples = {samples}",) if samples > 1 else (),
-                f"{pixels * samples**2}",
-            ),
+            Effect("shadows", casting if scene.shapes else (), "no light casts any", f"{len(casting)} a hit"),
+            Effect("mirrors", mirrors if scene.depth else (), "no material mirrors", f"{scene.depth} a sample"),
+            Effect("ambient", ambient, "no light is ambient", "none"),
+            Effect("textures", tuple(sorted(textures)), "no surface has one", "none"),
+            Effect("supersampling", supersampled, "the pixel's centre is asked for", f"{pixels * n * n}"),
         )
     )
 
 
+def used(scene: Scene) -> tuple[frozenset[str], frozenset[str]]:
+    """Names of the materials and of the textures that some shape is made of."""
+    named = {name for shape in scene.shapes for name in _names(shape.material)}
+    textures = {texture.name: texture for texture in scene.textures if texture.name in named}
+    within = {name for texture in textures.values() for name in texture.materials}
+    return frozenset((named | within) - set(textures)), frozenset(textures)
+
+
 def is_ambient(light: object) -> bool:
     """Whether a light comes from everywhere, unshadowed."""
-    return getattr(light, "type", None) == "ambient"
+    return isinstance(light, AmbientLight)
+
+
+def _names(material: str | Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(material.values()) if isinstance(material, Mapping) else (material,)

@@ -53,9 +53,9 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
     """
-    away = -np.array(scene.camera.position, dtype=float)
-    by = (float(away[0]), float(away[1]), float(away[2]))
-    shapes = tuple(translate(_load(shape, scene), by) for shape in scene.shapes)
+    x, y, z = scene.camera.position
+    by = (-x, -y, -z)
+    shapes = tuple(translate(_load(shape, scene), np.array(by)) for shape in scene.shapes)
     lights = tuple(moved(light, by) for light in scene.lights)
     camera = moved_camera(scene.camera, by)
     slots, first = _slots(shapes)

@@ -90,7 +90,7 @@ def _levels(stage: Stage, rays: Rays, count: Counter[str]) -> tuple[Level, ...]:
 def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     slot = stage.first_slot[shape]
     for index, mesh in enumerate(stage.shapes):
-        if isinstance(mesh, TriangleMesh):
+        if isinstance(mesh, TriangleMesh) and mesh.face_material is not None:
             own = shape == index
             slot[own] += mesh.face_material[primitive[own]]
     return slot

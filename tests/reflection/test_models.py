@@ -58,7 +58,7 @@ def test_products_of_sums_become_monomials_with_repetition():
     ],
 )
 def test_a_model_that_is_not_linear_in_products_is_refused_and_the_part_at_fault_is_shown(formula, says):
-    with pytest.raises(ValueError, match="direct|polynomial") as error:
+    with pytest.raises(ValueError, match=r"direct|polynomial") as error:
         Model(direct=formula)
     assert says in str(error.value)
 

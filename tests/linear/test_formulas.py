@@ -1,0 +1,179 @@
+"""A printed formula is the pixel: text, LaTeX, Python, before and after collapse (paper §4)."""
+
+import math
+import subprocess
+import sys
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from scenes_for_tests import SCENES, every_scene, hall_of_mirrors, mirrors, palettes, small
+
+import symrt as rt
+from symrt.linear.formulas import Formula
+from symrt.reflection.symbols import Factor, Light, Reflectance, lobe, n_dot_l, r_dot_v
+
+DIGITS = 50
+
+
+def at_50_digits(formula: Formula, spectra: dict[str, float]) -> mpmath.mpf:
+    """The formula's value from its float leaves, with nothing rounded on the way."""
+    leaves = {Factor(name): sympy.Float(value, DIGITS) for name, value in formula.values.items()}
+    leaves |= {s: sympy.Float(float(spectra[s.name]), DIGITS) for s in formula.expression.atoms(Light, Reflectance)}
+    exact = formula.expression.xreplace({f: sympy.Float(f, DIGITS) for f in formula.expression.atoms(sympy.Float)})
+    return sympy.re(exact.xreplace(leaves).evalf(DIGITS))
+
+
+def some_pixels(system: rt.LinearSystem, count: int) -> np.ndarray:
+    lit = np.flatnonzero(system.object_pixels)
+    return np.random.default_rng(7).choice(lit, size=min(count, lit.size), replace=False)
+
+
+@pytest.mark.parametrize("name", every_scene())
+def test_printed_formula_evaluates_to_the_shaded_pixel(name):
+    scene = small(name, 48)
+    tree = rt.trace(scene)
+    system = rt.collapse(tree)
+    for palette in palettes(name).values():
+        image = rt.shade(system, palette).values
+        band = len(palette.bands) // 2
+        spectra = {symbol: float(palette[symbol][band]) for symbol in system.symbols}
+        for pixel in some_pixels(system, 200 // len(palettes(name))):
+            y, x = divmod(int(pixel), 48)
+            for formula in (rt.formula(tree, x, y), rt.formula(system, x, y)):
+                terms = max(1, system.G.indptr[pixel + 1] - system.G.indptr[pixel])
+                error = abs(at_50_digits(formula, spectra) - sympy.Float(float(image[y, x, band]), DIGITS))
+                assert error <= max(4, terms) * np.spacing(image[y, x, band]), (name, x, y, formula)
+
+
+@pytest.mark.parametrize("name", every_scene())
+def test_letters_and_linear_form_have_the_same_monomials(name):
+    tree = rt.trace(small(name, 24))
+    system = rt.collapse(tree)
+    for pixel in some_pixels(system, 40):
+        y, x = divmod(int(pixel), 24)
+        before, after = rt.formula(tree, x, y), rt.formula(system, x, y)
+        letters = {Factor(k): sympy.Float(v) for k, v in before.values.items()}
+        form = {i: c.xreplace(letters).evalf() for i, c in rt.linear_form(before.expression).items()}
+        assert {i for i, c in form.items() if c != 0} == set(rt.linear_form(after.expression))
+
+
+def test_python_code_runs_and_gives_the_pixel():
+    scene = mirrors(model=["phong_plain", "mirror"], exponent=30)
+    tree = rt.trace(scene)
+    system = rt.collapse(tree)
+    spectra = {name: 0.3 + 0.1 * k for k, name in enumerate(system.symbols)}
+    for x, y in ((12, 12), (10, 20)):
+        for formula in (rt.formula(tree, x, y), rt.formula(system, x, y)):
+            namespace: dict = {}
+            exec(formula.code("radiance"), namespace)
+            arguments = [spectra[name] for name in formula.symbols]
+            assert namespace["radiance"](*arguments) == pytest.approx(formula.evaluate(spectra), rel=1e-13)
+
+
+def test_floats_stay_whole_in_code_and_lose_digits_in_text_only():
+    third = Formula(sympy.Float(1 / 3) * Light("sun") * Reflectance("sea.diffuse"))
+    assert repr(1 / 3) in third.code()
+    assert third.text() == "0.3333*sun*sea.diffuse"
+    assert third.text(digits=2) == "0.33*sun*sea.diffuse"
+    assert third.latex(digits=2) == r"0.33\,\mathrm{sun}\,\mathrm{sea}_{\mathrm{diffuse}}"
+
+
+def test_a_long_formula_is_truncated_on_request_and_says_so():
+    long = Formula(
+        sympy.Add(*(sympy.Float(k + 0.5) * Light(f"l{k}") * Reflectance("sea.diffuse") for k in range(5000)))
+    )
+    assert "4997 more terms" in long.text(terms=3)
+    assert long.text().count("sea.diffuse") == 5000
+    with pytest.raises(ValueError, match="at least one"):
+        long.text(terms=0)
+
+
+def test_names_that_would_collide_in_python_are_kept_apart():
+    colliding = Light("sea_diffuse") * Reflectance("sea.diffuse") * Light("lambda") * Light("math")
+    code = Formula(colliding).code()
+    compile(code, "formula", "exec")
+    arguments = code.split("(")[1].split(")")[0].split(", ")
+    assert len(set(arguments)) == 4
+    assert not {"lambda", "math"} & set(arguments)
+
+
+def test_a_lobe_prints_as_a_power_and_computes_from_one_minus_its_cosine():
+    shiny = Formula(Light("sun") * lobe(r_dot_v, 60) * n_dot_l, {"one_minus_r_dot_v": 0.25, "n_dot_l": 0.5})
+    assert shiny.text() == "sun*n_dot_l*r_dot_v**60"
+    assert "r_dot_v = 0.75" in str(shiny)
+    assert "math.exp(60*math.log1p(-one_minus_r_dot_v))" in shiny.code()
+    assert shiny.evaluate({"sun": 2.0}) == pytest.approx(0.75**60, rel=1e-14)
+
+
+def test_a_missing_spectrum_is_named():
+    with pytest.raises(ValueError, match=r"no value for sea\.diffuse"):
+        Formula(Light("sun") * Reflectance("sea.diffuse")).evaluate({"sun": 1.0})
+
+
+def test_a_scenes_own_formula_traces_one_pixel():
+    scene = small("first", 64)
+    tree = rt.trace(scene)
+    for x, y in ((32, 28), (0, 0), (30, 40)):
+        assert rt.formula(scene, x=x, y=y) == rt.formula(tree, x=x, y=y)
+
+
+@pytest.mark.parametrize(("x", "y"), [(-1, 0), (0, -1), (24, 0), (0, 24)])
+def test_a_pixel_outside_the_image_is_refused(x, y):
+    tree = rt.trace(small("first", 24))
+    for source in (tree, rt.collapse(tree), small("first", 24)):
+        with pytest.raises(ValueError, match="outside the image"):
+            rt.formula(source, x, y)
+
+
+def test_every_mirror_bounce_has_letters_of_its_own():
+    tree = rt.trace(hall_of_mirrors(depth=3))
+    formula = rt.formula(tree, 8, 8)
+    assert {"n_dot_l", "n_dot_l_2", "n_dot_l_3", "n_dot_l_4"} <= set(formula.values)
+    assert "front.mirror" in formula.text()
+
+
+def test_supersampled_letters_stay_apart_and_average():
+    scene = small("first", 8, samples=2)
+    tree = rt.trace(scene)
+    system = rt.collapse(tree)
+    formula = rt.formula(tree, 4, 4)
+    spectra = dict.fromkeys(system.symbols, 1.0)
+    assert len(rt.formula(system, 4, 4).symbols) > 0
+    assert formula.evaluate(spectra) == pytest.approx(rt.formula(system, 4, 4).evaluate(spectra), rel=1e-14)
+    assert any(name.endswith("_s3") for name in formula.values)
+
+
+@pytest.mark.parametrize("seed", ["1", "20"])
+def test_the_order_of_terms_is_the_same_for_every_hash_seed(seed):
+    script = (
+        "import symrt as rt; from dataclasses import replace;"
+        f"s = rt.load_scene({str(SCENES / 'first.toml')!r});"
+        "s = replace(s, camera=replace(s.camera, width=16, height=16));"
+        "t = rt.trace(s); print(rt.formula(t, 8, 6)); print(rt.formula(rt.collapse(t), 8, 6).latex())"
+    )
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={"PYTHONHASHSEED": s, "PYTHONPATH": str(SCENES.parent)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for s in (seed, "0")
+    ]
+    assert runs[0] == runs[1] != ""
+
+
+def test_fsum_of_the_linear_form_is_the_pixel():
+    system = rt.collapse(rt.trace(hall_of_mirrors(depth=4)))
+    palette = rt.Palette(
+        bands=rt.wavelengths(500, 520, 10), spectra={s: 0.7 if "." in s else 1.3 for s in system.symbols}
+    )
+    image = rt.shade(system, palette).values
+    for pixel in some_pixels(system, 50):
+        row = slice(system.G.indptr[pixel], system.G.indptr[pixel + 1])
+        gamma = [1.3 * 0.7 ** system.interactions[j].degree for j in system.G.indices[row]]
+        found = math.fsum(g * c for g, c in zip(system.G.data[row], gamma, strict=True))
+        assert image.reshape(-1, 3)[pixel, 0] == pytest.approx(found, rel=1e-14)

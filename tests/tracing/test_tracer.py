@@ -1,0 +1,189 @@
+"""Step 1: what the tree records, what the plan leaves out, and what the depth limit costs."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scenes_for_tests import SCENES, camera, every_scene, hall_of_mirrors, mirrors, small, two_materials
+
+import symrt as rt
+from symrt.reflection.symbols import GEOMETRY
+from symrt.tracing.factors import factors, reflect
+
+
+def random_directions(count: int, seed: int) -> np.ndarray:
+    v = np.random.default_rng(seed).normal(size=(3, count))
+    return v / np.linalg.norm(v, axis=0)
+
+
+def test_factors_are_the_cosines_of_their_names():
+    n, v, light = (random_directions(500, seed) for seed in (1, 2, 3))
+    half = (light + v) / np.linalg.norm(light + v, axis=0)
+    mirrored = 2 * np.einsum("ij,ij->j", n, light) * n - light
+    vectors = {"n": n, "v": v, "l": light, "h": half, "r": mirrored}
+    found = factors([f"{p}{c}" for c in GEOMETRY for p in ("", "one_minus_")], n, v, light)
+    for name, (a, b) in GEOMETRY.items():
+        cosine = np.clip(np.einsum("ij,ij->j", vectors[a], vectors[b]), 0, 1)
+        np.testing.assert_allclose(found[name], cosine, atol=1e-15)
+        np.testing.assert_allclose(found[f"one_minus_{name}"], 1 - cosine, atol=1e-15)
+
+
+def test_one_minus_a_cosine_keeps_its_digits_where_the_cosine_has_none():
+    angle = np.array([1e-9])
+    n = np.array([[0.0], [1.0], [0.0]])
+    v = np.stack([np.sin(angle), np.cos(angle), 0 * angle])
+    # 1 − cos x = x²/2 − …, far below the spacing of floats at 1.
+    assert factors(["one_minus_n_dot_v"], n, v, None)["one_minus_n_dot_v"] == pytest.approx(0.5e-18, rel=1e-9)
+    assert factors(["n_dot_v"], n, v, None)["n_dot_v"] == 1.0
+
+
+def test_a_mirrored_vector_keeps_its_angle_to_the_normal():
+    n, v = random_directions(200, 4), random_directions(200, 5)
+    np.testing.assert_allclose(np.einsum("ij,ij->j", reflect(v, n), n), np.einsum("ij,ij->j", v, n), atol=1e-14)
+
+
+def test_only_the_factors_of_a_materials_formulas_are_computed():
+    tree = rt.trace(two_materials(exponent=20))
+    computed = {p.material: set().union(*(lit.factors for lit in p.lit)) for p in tree.levels[0].points}
+    assert computed == {"shiny": {"n_dot_l", "one_minus_r_dot_v"}, "dull": {"n_dot_l"}}
+
+
+@pytest.mark.parametrize("name", every_scene())
+def test_an_effect_that_is_not_called_for_casts_no_ray(name):
+    scene = small(name, 16)
+    tree, chosen = rt.trace(scene), rt.plan(scene)
+    for effect in ("shadows", "mirrors"):
+        assert (tree.rays.get(effect, 0) > 0) == (effect in chosen)
+
+
+def test_switched_off_is_absent_is_weight_zero():
+    # A mirror that nothing is made of, a mirror with depth 0, and no mirror: the same bits, and no mirror ray.
+    base = mirrors(model="lambert")
+    unused = replace(base, materials=[*base.materials, rt.Material("spare", model="mirror")])
+    at_depth_0 = replace(mirrors(model=["lambert", "mirror"], depth=0))
+    systems = [rt.collapse(rt.trace(scene)) for scene in (base, unused, at_depth_0)]
+    for system in systems[1:]:
+        assert system.interactions == systems[0].interactions
+        assert np.array_equal(system.G.data, systems[0].G.data)
+
+
+def test_a_light_without_shadows_lights_what_another_shape_hides():
+    hidden = mirrors(model="lambert")
+    open_light = replace(hidden, lights=[rt.DirectionalLight("sun", direction=(-1, -2, -1), shadows=False)])
+    with_shadow, without = (rt.collapse(rt.trace(scene)) for scene in (hidden, open_light))
+    floor = [str(i) for i in with_shadow.interactions].index("sun*floor.diffuse")
+    lit = [str(i) for i in without.interactions].index("sun*floor.diffuse")
+    assert (with_shadow.G[:, [floor]] != 0).nnz < (without.G[:, [lit]] != 0).nnz
+
+
+@dataclass(frozen=True)
+class Spotlight:
+    """A light of one's own: a point light that shines straight down through a cone."""
+
+    name: str
+    position: tuple[float, float, float]
+    shadows: bool = True
+
+    def illuminate(self, points):
+        bulb = rt.PointLight(self.name, position=self.position).illuminate(points)
+        return replace(bulb, falloff=np.where(bulb.direction[1] > 0.97, bulb.falloff, 0.0))
+
+
+def test_a_light_of_ones_own_is_a_light():
+    scene = replace(mirrors(model="lambert"), lights=[Spotlight("spot", (0, 4, 0)), rt.AmbientLight("sky")])
+    system = rt.collapse(rt.trace(scene))
+    point = rt.collapse(
+        rt.trace(replace(scene, lights=[rt.PointLight("spot", position=(0, 4, 0)), rt.AmbientLight("sky")]))
+    )
+    column = [str(i) for i in system.interactions].index("spot*ball.diffuse")
+    inside = system.G[:, [column]].toarray() > 0
+    assert 0 < inside.sum() < (point.G[:, [column]].toarray() > 0).sum()
+    np.testing.assert_array_equal(system.G[:, [column]].toarray()[inside], point.G[:, [column]].toarray()[inside])
+
+
+def test_white_is_a_perfect_diffuser_at_the_target():
+    system = rt.collapse(rt.trace(hall_of_mirrors(0)))
+    # E/π with E = 1/d² for the point light, L for the ambient one; d from (0, 1, 0.5) to the target (0, 0, −1).
+    assert system.white["lamp"] == pytest.approx(1 / (np.pi * (1 + 1.5**2)), rel=1e-15)
+    assert system.white["sky"] == 1.0
+
+
+@pytest.mark.parametrize("depth", [0, 1, 3, 6])
+def test_what_the_depth_limit_cuts_off_is_within_its_certificate(depth):
+    cut, deep = (rt.collapse(rt.trace(hall_of_mirrors(d))) for d in (depth, 40))
+    spectra = {s: 0.6 if s.endswith("mirror") else 0.3 if "." in s else 1.0 for s in deep.symbols}
+    palette = rt.Palette(bands=rt.wavelengths(500, 520, 10), spectra=spectra)
+    image = rt.shade(cut, palette)
+    missing = rt.shade(deep, palette).values - image.values
+    assert missing.max() > 0
+    assert np.all(missing >= -1e-15)
+    assert np.all(missing.max(axis=(0, 1)) <= image.cut_off)
+
+
+def test_depth_300_between_mirrors_loses_nothing_silently():
+    # HARDCASES O5: products of 300 mirrors of 1e-3 are far below the smallest float; they stay monomials.
+    system = rt.collapse(rt.trace(hall_of_mirrors(300, tilt=0.0)))
+    deepest = max(interaction.degree for interaction in system.interactions)
+    assert deepest >= 290
+    formula = rt.formula(system, 8, 8)
+    assert formula.symbols
+
+
+@pytest.mark.parametrize("shift", [1e6, 1e8])
+def test_a_scene_moved_far_away_looks_the_same(shift):
+    # HARDCASES G12.
+    def moved(by):
+        base = hall_of_mirrors(2)
+        cam = rt.Camera(position=(0.25 + by, 0.25, 0), target=(by, 0, -1), width=16, height=16, field_of_view=50)
+        shapes = [replace(s, centre=(s.centre[0] + by, s.centre[1], s.centre[2])) for s in base.shapes]
+        lights = [rt.PointLight("lamp", position=(by, 1, 0.5)), rt.AmbientLight("sky")]
+        return rt.collapse(rt.trace(replace(base, camera=cam, shapes=shapes, lights=lights)))
+
+    here, there = moved(0.0), moved(shift)
+    assert here.interactions == there.interactions
+    np.testing.assert_allclose(there.G.toarray(), here.G.toarray(), rtol=1e-7)
+
+
+@pytest.mark.parametrize("window", [(0, 0, 0, 4), (-1, 0, 3, 3), (0, 0, 25, 3), (3, 3, 2, 5)])
+def test_a_window_outside_the_film_is_refused(window):
+    with pytest.raises(ValueError, match="window"):
+        rt.trace(two_materials(exponent=20), window=window)
+
+
+def test_a_window_is_a_part_of_the_picture():
+    scene = small("first", 20)
+    whole = rt.collapse(rt.trace(scene)).G.toarray().reshape(20, 20, -1)
+    part = rt.collapse(rt.trace(scene, window=(4, 6, 14, 12)))
+    np.testing.assert_array_equal(part.G.toarray().reshape(6, 10, -1), whole[6:12, 4:14])
+
+
+def test_an_orthographic_camera_sees_equal_balls_equally():
+    scene = two_materials(exponent=20)
+    flat = replace(scene, camera=camera(type="orthographic", view_width=4, position=(0, 0, 6)))
+    levels = rt.trace(flat).levels[0]
+    sizes = {points.material: points.hit.size for points in levels.points}
+    assert sizes["shiny"] == sizes["dull"]
+
+
+def test_unknown_alternatives_are_named():
+    with pytest.raises(ValueError, match="rust"):
+        rt.trace(two_materials(exponent=20), alternatives={"dull": ["rust"]})
+
+
+def test_a_scene_that_nothing_is_in_is_black():
+    scene = replace(two_materials(exponent=20), shapes=[rt.Sphere(centre=(0, 99, 0), radius=1, material="dull")])
+    system = rt.collapse(rt.trace(scene))
+    assert system.G.shape == (576, 0)
+    assert not system.object_pixels.any()
+
+
+def test_the_plan_names_what_calls_for_each_effect():
+    chosen = rt.plan(mirrors(model=["lambert", "mirror"]))
+    by_name = {effect.name: effect for effect in chosen.effects}
+    assert by_name["mirrors"].called_by == ("ball",)
+    assert by_name["shadows"].called_by == ("sun",)
+    assert by_name["ambient"].called_by == ("sky",)
+    assert not by_name["textures"].simulated
+    assert "ball" in str(chosen)
+    assert "ball" in chosen._repr_html_()
+    assert SCENES.exists()
