@@ -1,0 +1,123 @@
+"""What each step costs, as a ratio to something anyone can run beside it; seconds are reported, never asserted."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy
+from pairs import ratio, seconds
+
+import symrt as rt
+from symrt.reflection.symbols import Light, Reflectance
+from symrt.spectra import gamma
+
+pytestmark = pytest.mark.benchmark
+
+
+def test_rendering_is_500_times_faster_than_sympy_per_pixel(globe, report, benchmark):
+    # Four terms a pixel, built, expanded and lambdified for 500 pixels, extrapolated to the picture.
+    sun, sky = Light("sun"), Light("sky")
+    symbols = [Reflectance(f"m{k}.diffuse") for k in range(4)]
+    n, v, w = sympy.symbols("n v w")
+
+    def per_pixel():
+        for k in range(500):
+            pixel = (sun * n * (symbols[0] + symbols[1] * v**60) + sky * (symbols[2] + w * symbols[3])) * (1 + k)
+            terms = sympy.expand(pixel).as_coefficients_dict(sun, sky, *symbols)
+            sympy.lambdify([n, v, w], list(terms.values()))(0.5, 0.9, 0.25)
+
+    benchmark.pedantic(lambda: rt.render(globe, progress=False), rounds=3, warmup_rounds=1)
+    one = benchmark.stats.stats.median
+    other = seconds(per_pixel) / 500 * globe.camera.width * globe.camera.height
+    report(
+        f"render of the globe, 512²: {one:.2f} s; SymPy per pixel, extrapolated: {other:.0f} s, {other / one:.0f} times"
+    )
+    assert other / one >= 500
+
+
+def test_shading_36_bands_costs_the_sparse_product(system, palette, report, benchmark):
+    products = gamma(system.interactions, palette)
+    found, one, _ = ratio(lambda: rt.shade(system, palette), lambda: system.G @ products, pairs=15)
+    benchmark(lambda: rt.shade(system, palette))
+    report(f"shade, 36 bands: {one * 1e3:.1f} ms, {found:.2f} times the bare CSR product of the same G and Γ")
+    assert found <= 1.5
+
+
+def test_a_preview_costs_a_small_part_of_36_bands(system, palette, report, benchmark):
+    found, one, _ = ratio(lambda: rt.preview(system, palette), lambda: rt.shade(system, palette), pairs=15)
+    benchmark(lambda: rt.preview(system, palette))
+    report(f"sRGB preview: {one * 1e3:.1f} ms, {found:.2f} times the shading of 36 bands")
+    assert found < 1
+
+
+def test_a_warm_formula_is_immediate(globe, system, report, benchmark):
+    tree = rt.trace(globe)
+    pixels = np.flatnonzero(system.object_pixels)[::2000]
+
+    def formulas():
+        for pixel in pixels:
+            y, x = divmod(int(pixel), system.width)
+            str(rt.formula(tree, x, y))
+
+    formulas()
+    each = benchmark.pedantic(lambda: seconds(formulas), rounds=3) / pixels.size
+    linear = seconds(lambda: [str(rt.formula(system, *divmod(int(p), 512)[::-1])) for p in pixels]) / pixels.size
+    whole = seconds(lambda: rt.render(globe, progress=False))
+    report(
+        f"a warm formula: {each * 1e3:.1f} ms with letters, {linear * 1e3:.1f} ms linear; a render {whole / each:.0f} times"
+    )
+    assert whole / each >= 10
+
+
+@pytest.mark.parametrize("what", ["symrt --help", "import symrt"])
+def test_starting_costs_little_more_than_numpy(what, report, benchmark):
+    script = "from symrt.cli import main; main(['--help'])" if "help" in what else "import symrt"
+    bare = "import numpy"
+
+    def run(source):
+        subprocess.run([sys.executable, "-c", source], capture_output=True, check=True)
+
+    found, one, _ = ratio(lambda: run(script), lambda: run(bare), pairs=7)
+    benchmark.pedantic(run, args=(script,), rounds=3)
+    report(f"{what}: {one:.2f} s in a new process, {found:.2f} times `import numpy`")
+    assert found <= (3 if "help" in what else 1.5)
+
+
+def test_a_picture_of_2048_keeps_within_2_gigabytes(report, benchmark):
+    script = (
+        "import resource, symrt as rt; from dataclasses import replace;"
+        "from symrt.scene import shipped_scene;"
+        "s = rt.load_scene(shipped_scene('globe'));"
+        "g = rt.render(replace(s, camera=replace(s.camera, width=2048, height=2048)), progress=False);"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, g.seconds['render'])"
+    )
+
+    def run():
+        return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+
+    peak, spent = map(float, benchmark.pedantic(run, rounds=1).split())
+    report(f"render of the globe, 2048²: {spent:.1f} s, peak memory {peak:.2f} GiB")
+    assert peak * 2**30 <= 2e9
+
+
+def test_a_changed_exponent_costs_less_than_a_trace(globe, report, benchmark):
+    tree = rt.trace(globe)
+    found, one, _ = ratio(
+        lambda: rt.collapse(tree, values={"brass.exponent": 33}), lambda: rt.trace(globe), pairs=3
+    )
+    benchmark.pedantic(lambda: rt.collapse(tree, values={"brass.exponent": 33}), rounds=3)
+    report(f"collapse after a changed exponent: {one * 1e3:.0f} ms, {found:.2f} times a trace")
+    assert found < 1
+
+
+def test_threads_help(globe, report, benchmark):
+    found, one, other = ratio(
+        lambda: rt.render(globe, workers=1, progress=False),
+        lambda: rt.render(globe, workers=2, progress=False),
+        pairs=3,
+    )
+    benchmark.pedantic(lambda: rt.render(replace(globe), workers=2, progress=False), rounds=1)
+    report(f"render with 1 worker {one:.2f} s, with 2 {other:.2f} s: {found:.2f} times")
+    assert found > 1.1
