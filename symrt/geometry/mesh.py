@@ -297,7 +297,7 @@ def _read(path: Path) -> list[_Part]:
 
 
 def _part(
-    geometry: Any,  # noqa: ANN401 (trimesh has no types)
+    geometry: Any,
     matrix: np.ndarray,
 ) -> _Part:
     """One geometry of a trimesh scene, put where the file's own transformation says."""

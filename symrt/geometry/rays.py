@@ -169,7 +169,7 @@ def surface(shape: object, rays: Rays, distance: PerRay, primitive: Int[np.ndarr
 
 
 @singledispatch
-def translate(shape: object, by: Point) -> Any:  # noqa: ANN401, ARG001 (the same kind of shape)
+def translate(shape: object, by: Point) -> Any:  # noqa: ARG001 (the same kind of shape)
     """The shape moved `by` a vector: a scene far from the origin is moved to its camera first, where floats are dense.
 
     Examples

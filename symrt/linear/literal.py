@@ -77,7 +77,8 @@ def _coefficients(pixel: Formula) -> dict[Interaction, float]:
 
 
 def _interaction(product: sympy.Expr) -> Interaction:
-    lights, met = [], []
+    lights: list[str] = []
+    met: list[str] = []
     for factor in sympy.Mul.make_args(product):
         base, power = factor.as_base_exp()
         if not isinstance(base, Light | Reflectance) or not (power.is_Integer and power > 0):

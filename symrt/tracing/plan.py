@@ -1,12 +1,12 @@
 """Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from symrt.scene.lights import AmbientLight
+from symrt.scene.lights import AmbientLight, Light
 from symrt.scene.records import Scene
 
-__all__ = ["Effect", "Plan", "is_ambient", "plan"]
+__all__ = ["Effect", "Plan", "direct_lights", "plan"]
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
@@ -76,8 +76,8 @@ def plan(scene: Scene) -> Plan:
     """
     materials, textures = used(scene)
     mirrors = tuple(m.name for m in scene.materials if m.name in materials and m.reflection.mirrors)
-    casting = tuple(light.name for light in scene.lights if not is_ambient(light) and light.shadows)
-    ambient = tuple(light.name for light in scene.lights if is_ambient(light))
+    casting = tuple(light.name for light in direct_lights(scene.lights) if light.shadows)
+    ambient = tuple(light.name for light in scene.lights if isinstance(light, AmbientLight))
     n, pixels = scene.camera.samples, scene.camera.width * scene.camera.height
     supersampled = (f"camera.samples = {n}",) if n > 1 else ()
     return Plan(
@@ -99,9 +99,9 @@ def used(scene: Scene) -> tuple[frozenset[str], frozenset[str]]:
     return frozenset((named | within) - set(textures)), frozenset(textures)
 
 
-def is_ambient(light: object) -> bool:
-    """Whether a light comes from everywhere, unshadowed."""
-    return isinstance(light, AmbientLight)
+def direct_lights(lights: Iterable[Light | AmbientLight]) -> list[Light]:
+    """The lights that come from somewhere; ambient light comes from everywhere, unshadowed."""
+    return [light for light in lights if not isinstance(light, AmbientLight)]
 
 
 def _names(material: str | Mapping[str, str]) -> tuple[str, ...]:

@@ -10,8 +10,9 @@ from jaxtyping import Float, Int
 from symrt.arrays import dot
 from symrt.geometry.textures import weights
 from symrt.reflection.symbols import VIEW
+from symrt.scene.lights import Light
 from symrt.tracing.factors import factors
-from symrt.tracing.plan import is_ambient
+from symrt.tracing.plan import direct_lights
 from symrt.tracing.raytree import Lit, Points
 from symrt.tracing.shadows import visible
 from symrt.tracing.stage import Stage
@@ -39,7 +40,7 @@ class Facing:
 
 def points(stage: Stage, view: View, count: Counter[str]) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
-    facing = {light.name: _facing(stage, light, view, count) for light in stage.lights if not is_ambient(light)}
+    facing = {light.name: _facing(stage, light, view, count) for light in direct_lights(stage.lights)}
     found = []
     for material, (hit, weight) in sorted(_shares(stage, view).items()):
         for name in (material, *(f"{material}>{other}" for other in stage.alternatives.get(material, ()))):
@@ -50,11 +51,11 @@ def points(stage: Stage, view: View, count: Counter[str]) -> tuple[Points, ...]:
     return tuple(found)
 
 
-def _facing(stage: Stage, light: object, view: View, count: Counter[str]) -> Facing:
-    light_at = light.illuminate(view.surface.point)  # type: ignore[attr-defined]
+def _facing(stage: Stage, light: Light, view: View, count: Counter[str]) -> Facing:
+    light_at = light.illuminate(view.surface.point)
     above = (dot(view.normal, light_at.direction) > 0) & (dot(view.shading_normal, light_at.direction) > 0)
     hit = np.flatnonzero(above & (light_at.falloff > 0))
-    casts = light.shadows and "shadows" in stage.plan  # type: ignore[attr-defined]
+    casts = light.shadows and "shadows" in stage.plan
     seen = visible(stage, view, hit, light_at, count) if casts else np.ones(hit.size)
     position = np.full(view.slot.size, -1)
     position[hit] = np.arange(hit.size)
@@ -71,7 +72,7 @@ def _lit(view: View, light: str, facing: Facing, hit: Index, names: frozenset[st
 
 def _shares(stage: Stage, view: View) -> Shares:
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
-    parts: dict[str, list[tuple[Index, np.ndarray]]] = {}
+    parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
         hit = np.flatnonzero(view.slot == slot)
         for material, share in _blend(stage, stage.slots[slot], view, hit).items():
@@ -91,7 +92,7 @@ def _blend(stage: Stage, name: str, view: View, hit: Index) -> Mapping[str, np.n
     return blended
 
 
-def _in_order(found: list[tuple[Index, np.ndarray]]) -> tuple[Index, np.ndarray]:
+def _in_order(found: list[tuple[np.ndarray, np.ndarray]]) -> tuple[Index, Float[np.ndarray, " point"]]:
     hit = np.concatenate([hit for hit, _ in found])
     share = np.concatenate([share for _, share in found])
     order = np.argsort(hit, kind="stable")

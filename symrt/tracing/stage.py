@@ -9,9 +9,9 @@ from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
 from symrt.geometry.rays import clearance, translate
 from symrt.geometry.textures import load_texture
 from symrt.scene.cameras import Camera, moved_camera
-from symrt.scene.lights import moved, white
+from symrt.scene.lights import AmbientLight, DirectionalLight, Light, PointLight, moved, white
 from symrt.scene.records import Scene
-from symrt.tracing.plan import Plan, is_ambient, plan
+from symrt.tracing.plan import Plan, plan
 from symrt.tracing.raytree import MaterialRecord
 
 Alternatives = Mapping[str, Sequence[str]]
@@ -41,7 +41,7 @@ class Stage:
     textures: Mapping[str, object]
     materials: Mapping[str, MaterialRecord]
     alternatives: Alternatives
-    lights: tuple[object, ...]
+    lights: tuple[Light | AmbientLight, ...]
     white: Mapping[str, float]
     irradiance: Mapping[str, float]
     depth: int
@@ -97,13 +97,10 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
     return named | {f"{m}>{other}": named[other] for m, others in alternatives.items() for other in others}
 
 
-def _brightest(light: object, shapes: tuple[object, ...]) -> float:
-    if is_ambient(light):
+def _brightest(light: Light | AmbientLight, shapes: tuple[object, ...]) -> float:
+    if isinstance(light, AmbientLight | DirectionalLight):
         return 1.0
-    kind = getattr(light, "type", None)
-    if kind == "directional":
-        return 1.0
-    if kind != "point":
+    if not isinstance(light, PointLight):
         return float("inf")
-    nearest = min((clearance(shape, np.array(light.position)) for shape in shapes), default=np.inf)  # type: ignore[attr-defined]
-    return float(1 / nearest**2) if nearest > 0 else float("inf")
+    nearest = min((clearance(shape, np.array(light.position)) for shape in shapes), default=float("inf"))
+    return 1 / nearest**2 if nearest > 0 else float("inf")

@@ -15,9 +15,9 @@ import numpy as np
 from symrt.geometry.mesh import TriangleMesh
 from symrt.geometry.rays import Rays, nearest, surfaces
 from symrt.scene.cameras import Window, camera_rays
+from symrt.scene.lights import AmbientLight
 from symrt.scene.records import Scene
 from symrt.tracing.mirrors import mirrored
-from symrt.tracing.plan import is_ambient
 from symrt.tracing.points import points
 from symrt.tracing.raytree import Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
@@ -57,7 +57,7 @@ def trace_window(stage: Stage, window: Box | None = None) -> RayTree:
     return RayTree(
         levels=levels,
         materials=stage.materials,
-        lights={light.name: is_ambient(light) for light in stage.lights},
+        lights={light.name: isinstance(light, AmbientLight) for light in stage.lights},
         window=(x0, y0, x1, y1),
         samples=stage.camera.samples,
         white=stage.white,

@@ -66,7 +66,7 @@ def test_a_warm_formula_is_immediate(globe, system, report, benchmark):
     linear = seconds(lambda: [str(rt.formula(system, *divmod(int(p), 512)[::-1])) for p in pixels]) / pixels.size
     whole = seconds(lambda: rt.render(globe, progress=False))
     report(
-        f"a warm formula: {each * 1e3:.1f} ms with letters, {linear * 1e3:.1f} ms linear; a render {whole / each:.0f} times"
+        f"a warm formula: {each * 1e3:.1f} ms in letters, {linear * 1e3:.1f} ms linear; a render {whole / each:.0f}×"
     )
     assert whole / each >= 10
 
@@ -104,9 +104,7 @@ def test_a_picture_of_2048_keeps_within_2_gigabytes(report, benchmark):
 
 def test_a_changed_exponent_costs_less_than_a_trace(globe, report, benchmark):
     tree = rt.trace(globe)
-    found, one, _ = ratio(
-        lambda: rt.collapse(tree, values={"brass.exponent": 33}), lambda: rt.trace(globe), pairs=3
-    )
+    found, one, _ = ratio(lambda: rt.collapse(tree, values={"brass.exponent": 33}), lambda: rt.trace(globe), pairs=3)
     benchmark.pedantic(lambda: rt.collapse(tree, values={"brass.exponent": 33}), rounds=3)
     report(f"collapse after a changed exponent: {one * 1e3:.0f} ms, {found:.2f} times a trace")
     assert found < 1

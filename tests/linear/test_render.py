@@ -67,7 +67,7 @@ def test_a_values_render_is_a_values_collapse():
 @pytest.mark.usefixtures("small_tiles")
 def test_a_worker_that_fails_says_why():
     class Broken(ThreadPoolExecutor):
-        def submit(self, fn, /, *args, **kwargs):
+        def submit(self, *_args, **_kwargs):
             return super().submit(lambda: (_ for _ in ()).throw(MemoryError("a worker died")))
 
     with Broken(1) as broken, pytest.raises(MemoryError, match="a worker died"):
