@@ -54,7 +54,7 @@ class SpectralImage:
             return "nothing cut off"
         if unbounded := int(np.isinf(self.cut_off).sum()):
             return f"no certificate of the depth limit in {unbounded} bands: a mirror reflects everything"
-        return f"at most {self.cut_off.max():.2g} cut off"
+        return f"radiance of at most {self.cut_off.max():.2g} cut off"
 
     def _repr_png_(self) -> bytes | None:
         if self.bands.kind == "coordinate" or self.white is None:
