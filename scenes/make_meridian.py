@@ -1,7 +1,7 @@
 """Make meridian.obj: the brass ring that holds a desk globe by its poles, its arm and its foot, as one smooth mesh.
 
-Units are the globe's radius; the globe's centre is the origin, y points up, the ring stands in the xy plane, and the poles
-lie 23.4° from the vertical, towards x.  Run it again after a change: ``python scenes/make_meridian.py``.
+Units are the radius of the globe, whose centre is the origin; y points up, the ring stands in the xy plane, and the
+poles lie 23.4° from the vertical, to the right.  Run it again after a change: ``python scenes/make_meridian.py``.
 """
 
 from collections.abc import Callable
