@@ -17,14 +17,13 @@ Surface = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def ring(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Points of the ring; u runs around it from the north pole over the right, v around its rounded section."""
+    """Points of the ring; u runs around it from the north pole over the right, v around its oval section."""
     angle = 2 * np.pi * u
     # The lower right is the arm: there the ring is stronger, and it thins out towards the other side.
     arm = ((1 + np.cos(angle - np.radians(125))) / 2) ** 2
-    depth, width = 0.018 + 0.032 * arm, 0.04 + 0.022 * arm
-    across, along = rounded(np.cos(2 * np.pi * v)), rounded(np.sin(2 * np.pi * v))
-    radius = INNER + depth + depth * across
-    return np.stack([radius * np.sin(angle + TILT), radius * np.cos(angle + TILT), width * along])
+    depth, width = 0.036 + 0.022 * arm, 0.026 + 0.012 * arm
+    radius = INNER + depth + depth * np.cos(2 * np.pi * v)
+    return np.stack([radius * np.sin(angle + TILT), radius * np.cos(angle + TILT), width * np.sin(2 * np.pi * v)])
 
 
 def foot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -36,16 +35,10 @@ def foot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.stack([radius * np.sin(2 * np.pi * u), height, radius * np.cos(2 * np.pi * u)])
 
 
-def rounded(x: np.ndarray) -> np.ndarray:
-    """Bring a circle's coordinate nearer to a rounded square's."""
-    return np.sign(x) * np.abs(x) ** 0.7
-
-
 def grid(surface: Surface, around: int, steps: int, *, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices, outward unit normals and triangles of a surface; `closed` if v runs around as u does."""
     rows = steps if closed else steps + 1
-    # The half step keeps vertices off the corners of the section, where its derivative is not defined.
-    u, v = np.meshgrid(np.arange(around) / around, (np.arange(rows) + 0.5 * closed) / steps, indexing="ij")
+    u, v = np.meshgrid(np.arange(around) / around, np.arange(rows) / steps, indexing="ij")
     small = 1e-4
     along_u = surface(u + small, v) - surface(u - small, v)
     along_v = surface(u, v + small) - surface(u, v - small)
@@ -71,6 +64,10 @@ def obj(parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> str:
     return "\n".join(lines).replace("-0.00000 ", "0.00000 ") + "\n"
 
 
+def text() -> str:
+    """The whole file."""
+    return obj([grid(ring, 128, 16, closed=True), grid(foot, 32, 16, closed=False)])
+
+
 if __name__ == "__main__":
-    text = obj([grid(ring, 144, 12, closed=True), grid(foot, 32, 16, closed=False)])
-    Path(__file__).with_name("meridian.obj").write_text(text, encoding="ascii")
+    Path(__file__).with_name("meridian.obj").write_text(text(), encoding="ascii")
