@@ -66,7 +66,7 @@ def obj(parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> str:
 
 def text() -> str:
     """The whole file."""
-    return obj([grid(ring, 128, 16, closed=True), grid(foot, 32, 16, closed=False)])
+    return obj([grid(ring, 128, 16, closed=True), grid(foot, 32, 24, closed=False)])
 
 
 if __name__ == "__main__":
