@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from pairs import machine
+from benchmarks.pairs import machine
 
 import symrt as rt
 

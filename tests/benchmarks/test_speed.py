@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from pairs import ratio, seconds
+from benchmarks.pairs import ratio, seconds
 
 import symrt as rt
 from symrt.reflection.symbols import Light, Reflectance
