@@ -38,7 +38,7 @@ _NAMES = {
     ],
     "symrt.reflection": ["MODELS", "Model", "lobe", "parameter", "reflectance", "stack"],
     # 1 and 2: trace, collapse, print
-    "symrt.tracing": ["RayTree", "plan", "trace"],
+    "symrt.tracing": ["RayTree", "plan", "probe", "trace"],
     "symrt.linear": ["Formula", "coefficient_matrix", "collapse", "expressions", "formula", "linear_form", "render"],
     "symrt.system": ["Interaction", "LinearSystem", "load_system", "save_system"],
     # 3: shade

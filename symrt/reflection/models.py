@@ -1,4 +1,4 @@
-"""Models of reflection: each one is its formulas (step 1; MATHS of the models in the references).
+"""Models of reflection: each one is its formulas (step 1).
 
 ``direct`` is the radiance towards the viewer per unit irradiance on a surface that faces the light; ``ambient`` per
 unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view.

@@ -121,7 +121,7 @@ def test_what_the_depth_limit_cuts_off_is_within_its_certificate(depth):
 
 
 def test_depth_300_between_mirrors_loses_nothing_silently():
-    # HARDCASES O5: products of 300 mirrors of 1e-3 are far below the smallest float; they stay monomials.
+    # Products of 300 mirrors of 1e-3 are far below the smallest float; they stay monomials.
     hall = hall_of_mirrors(300, tilt=0.0)
     along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=16, height=16, field_of_view=0.2)
     system = rt.collapse(rt.trace(replace(hall, camera=along)))
@@ -136,7 +136,6 @@ def test_depth_300_between_mirrors_loses_nothing_silently():
 
 @pytest.mark.parametrize("shift", [1e6, 1e8])
 def test_a_scene_moved_far_away_looks_the_same(shift):
-    # HARDCASES G12.
     def moved(by):
         base = hall_of_mirrors(2)
         cam = rt.Camera(position=(0.25 + by, 0.25, 0), target=(by, 0, -1), width=16, height=16, field_of_view=50)

@@ -1,0 +1,126 @@
+"""Probe a scene with a few rays: which light meets which material, after how many bounces (before step 1).
+
+The paper's §6 proposes it, "to probe a complex scene for light/material interaction statistics before a sophisticated
+renderer is applied".
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symrt.scene.records import Scene
+from symrt.tracing.raytree import Level, RayTree
+from symrt.tracing.tracer import trace
+
+__all__ = ["Meeting", "Probe", "probe"]
+
+HEAD = ("light", "material", "bounces", "rays that see it", "of these hidden from the light")
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """One light at one material after a number of mirror bounces.
+
+    Parameters
+    ----------
+    share
+        Of the probe's camera rays, how many see a point of the material that faces the light.
+    hidden
+        Of those points, how many lie in the light's shadow.
+    """
+
+    light: str
+    material: str
+    bounces: int
+    share: float
+    hidden: float
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What a few rays met, most frequent first, and what leaving an effect out would change."""
+
+    meetings: tuple[Meeting, ...]
+    rays: int
+    mirrored: float
+    hidden: float
+    seconds: float
+
+    def __str__(self) -> str:
+        rows = [
+            HEAD,
+            *((m.light, m.material, str(m.bounces), f"{m.share:.1%}", f"{m.hidden:.1%}") for m in self.meetings),
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        table = "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        return f"{table}\n{self._effects()}"
+
+    def _effects(self) -> str:
+        return (
+            f"{self.rays} rays: without shadows {self.hidden:.1%} of the lit points would be too bright, "
+            f"without mirrors {self.mirrored:.1%} of the rays would end too soon"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{m.light}</td><td>{m.material}</td><td>{m.bounces}</td><td>{m.share:.1%}</td><td>{m.hidden:.1%}</td></tr>"
+            for m in self.meetings
+        )
+        return f"<table><tr>{''.join(f'<th>{h}</th>' for h in HEAD)}</tr>{rows}</table><p>{self._effects()}</p>"
+
+
+def probe(scene: Scene, rays: int = 4096) -> Probe:
+    """Statistics of light, material and depth from about `rays` camera rays on a regular grid of the film.
+
+    A share s is known to about √(s(1 − s)/rays).
+
+    Examples
+    --------
+    >>> from symrt.scene import load_scene, shipped_scene
+    >>> met = probe(load_scene(shipped_scene("first")), rays=1024)
+    >>> [(m.light, m.material, m.bounces) for m in met.meetings]
+    [('sun', 'red', 0)]
+    """
+    if rays < 1:
+        raise ValueError(f"rays = {rays}: a probe needs at least one ray")
+    start = time.perf_counter()
+    camera = scene.camera
+    across = max(1, round((rays * camera.width / camera.height) ** 0.5))
+    coarse = replace(camera, width=across, height=max(1, round(across * camera.height / camera.width)), samples=1)
+    tree = trace(replace(scene, camera=coarse))
+    meetings = sorted(_meetings(tree), key=lambda m: (-m.share, m.bounces, m.light, m.material))
+    lit = sum(m.share for m in meetings)
+    return Probe(
+        meetings=tuple(meetings),
+        rays=tree.rays["camera"],
+        mirrored=_mirrored(tree) / tree.rays["camera"],
+        hidden=sum(m.share * m.hidden for m in meetings) / lit if lit else 0.0,
+        seconds=time.perf_counter() - start,
+    )
+
+
+def _mirrored(tree: RayTree) -> int:
+    """How many of the camera's rays end on a mirror."""
+    parts = tree.levels[0].points if tree.levels else ()
+    return np.unique(np.concatenate([[], *(p.hit for p in parts if tree.materials[p.material].model.mirrors)])).size
+
+
+def _meetings(tree: RayTree) -> Iterator[Meeting]:
+    for bounces, level in enumerate(tree.levels):
+        yield from _at_level(tree, bounces, level)
+
+
+def _at_level(tree: RayTree, bounces: int, level: Level) -> Iterator[Meeting]:
+    camera_rays = tree.rays["camera"]
+    for points in level.points:
+        formulas = tree.materials[points.material].model.formulas
+        for lit in points.lit if formulas["direct"] != 0 else ():
+            if lit.point.size:
+                weight = points.weight[lit.point]
+                hidden = float(np.sum(weight * (1 - lit.visible)) / weight.sum())
+                yield Meeting(lit.light, points.material, bounces, float(weight.sum() / camera_rays), hidden)
+        ambient = [name for name, everywhere in tree.lights.items() if everywhere and formulas["ambient"] != 0]
+        for light in ambient:
+            yield Meeting(light, points.material, bounces, float(points.weight.sum() / camera_rays), 0.0)
