@@ -97,6 +97,8 @@ def uniform_first(samples: Samples) -> Basis:
     [-0.289, -0.289, -0.289, 0.866]
     """
     scaled, scale = _scaled(samples)
+    # The triangle has the samples' right singular vectors and values, and at most as many rows as there are bands.
+    scaled = np.linalg.qr(scaled, mode="r")
     bands = samples.shape[1]
     constant = np.full(bands, 1 / np.sqrt(bands))
     deflated = scaled
@@ -105,8 +107,7 @@ def uniform_first(samples: Samples) -> Basis:
     _, singular, right = np.linalg.svd(deflated, full_matrices=False)
     plain = np.linalg.svd(scaled, full_matrices=False)
     size = plain.S[0]
-    rank = int(np.sum(singular > max(samples.shape) * np.finfo(float).eps * size))
-    rank = min(rank, bands - 1)
+    rank = min(int(np.sum(singular > max(samples.shape) * np.finfo(float).eps * size)), bands - 1)
     if rank and singular[0] < NOISE * size:
         warnings.warn(
             f"the samples differ from constant spectra by {singular[0] / size:.1g} of their size: the components "
