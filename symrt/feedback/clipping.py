@@ -21,7 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-__all__ = ["Interval", "blocking", "clip"]
+from symrt.gamut.slabs import Gamut
+
+__all__ = ["Interval", "blocking", "clip", "clip_slabs"]
 
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
@@ -72,7 +74,29 @@ class _Scratch(NamedTuple):
     far: Lines
 
 
-def clip(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> Interval:
+def clip(
+    gamut: Gamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]
+) -> Interval:
+    """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)
+    array([1.8])
+    """
+    lower, upper = gamut.lower, gamut.upper
+    if gamut.weights is not None:
+        lower, upper = np.append(lower, gamut.blackest), np.append(upper, np.inf)
+        # The product is only as good as its rounding: the bound moves inwards by as much.
+        lower[-1] *= 1 + len(upper) * INWARD
+        origin, direction = (np.column_stack([v, v @ gamut.weights]) for v in (origin, direction))
+    return clip_slabs(lower, upper, origin, direction)
+
+
+def clip_slabs(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> Interval:
     """Clip the line ``origin + t direction`` of every pixel to the slabs ``lower <= r <= upper``.
 
     Parameters
@@ -92,7 +116,7 @@ def clip(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> Inter
     A grey of 0.5, scaled from black, stays reproducible up to twice itself:
 
     >>> grey = np.full((1, 2), 0.5)
-    >>> clip(np.zeros(2), np.ones(2), np.zeros((1, 2)), grey).high.round(12)
+    >>> clip_slabs(np.zeros(2), np.ones(2), np.zeros((1, 2)), grey).high.round(12)
     array([2.])
     """
     _check_bounds(lower, upper)
@@ -137,10 +161,10 @@ def _quotients(
     """Write the ends of a tile's intervals, unmoved; say for which pixels they cannot be relied on."""
     inverse, near, far = scratch
     everywhere = np.ones(len(q), dtype=bool)
-    if not (_sum_of_squares(q) < SAFE**2 and _sum_of_squares(d) < SAFE**2):  # nan fails the test, too
+    if not (_largest(q) < SAFE and _largest(d) < SAFE):  # nan fails the test, too
         return everywhere
     np.divide(1.0, d, out=inverse)
-    if not _sum_of_squares(inverse) < SAFE**2 and _smallest(d, near) < 1 / SAFE:
+    if not _largest(inverse) < SAFE and _smallest(d, near) < 1 / SAFE:
         return everywhere
     np.subtract(lower, q, out=near)
     np.multiply(near, inverse, out=near)
@@ -241,17 +265,17 @@ def _float_towards(value: Fraction, side: float) -> float:
     return float(np.nextafter(nearest, side)) if wrong_side else nearest
 
 
-def _sum_of_squares(values: Lines) -> float:
-    flat = values.ravel()
-    return float(np.vdot(flat, flat))
+def _largest(values: Lines) -> float:
+    """The largest magnitude; nan if there is one."""
+    return float(np.maximum(values.max(), -values.min()))
 
 
 def _smallest(values: Lines, room: Lines) -> float:
-    """The smallest magnitude that is not zero: as whole numbers, less one, zeros become the largest of all."""
+    """The smallest magnitude that is not zero, nan where all are: as whole numbers, less one, zeros are the largest."""
     np.abs(values, out=room)
     bits = room.view(np.uint64)
     np.subtract(bits, np.uint64(1), out=bits)
-    return float((bits.min() + np.uint64(1)).view(np.float64))
+    return float((bits.min() + np.uint64(1)).view(np.float64)) or np.nan
 
 
 def _ordinary(bounds: Bounds) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.feedback.clipping import blocking, clip
+from symrt.feedback.clipping import blocking, clip, clip_slabs
 from symrt.gamut.basis import uniform_first
 
 UNIT = Fraction(1, 2**53)
@@ -56,7 +56,7 @@ def test_no_end_lies_outside_in_exact_arithmetic(count):
     for seed in range(40):
         lower, upper, origin, direction = scaled_draws(count // 40, 6, seed)
         with np.errstate(under="ignore"):
-            found = clip(lower, upper, origin, direction)
+            found = clip_slabs(lower, upper, origin, direction)
         for pixel in range(len(origin)):
             truth = exact_interval(lower, upper, origin[pixel], direction[pixel])
             if found.empty[pixel]:
@@ -74,7 +74,7 @@ def test_the_binding_reflectance_moves_by_at_most_64_rounding_errors():
     random = np.random.default_rng(11)
     lower, upper = np.zeros(36), random.uniform(0.5, 1, 36)
     origin, direction = random.uniform(0, 0.5, (FEW, 36)), random.normal(size=(FEW, 36))
-    found = clip(lower, upper, origin, direction)
+    found = clip_slabs(lower, upper, origin, direction)
     first, last = blocking(lower, upper, origin, direction)
     for pixel in range(FEW):
         for slab, t in ((first[pixel], found.low[pixel]), (last[pixel], found.high[pixel])):
@@ -100,7 +100,7 @@ def test_a_direction_of_zero_allows_all_or_nothing():
     # L2: inside, on either face, outside on either side, and one step outside.
     origin = np.array([[0.5], [0.0], [1.0], [-0.1], [1.1], [np.nextafter(1, 2)], [-5e-324]])
     for zero in (0.0, -0.0):
-        found = clip(np.zeros(1), np.ones(1), origin, np.full((7, 1), zero))
+        found = clip_slabs(np.zeros(1), np.ones(1), origin, np.full((7, 1), zero))
         assert found.low.tolist() == [-np.inf] * 3 + [np.inf] * 4
         assert found.high.tolist() == [np.inf] * 3 + [-np.inf] * 4
         assert not found.uncertain.any()
@@ -112,7 +112,7 @@ def test_only_the_slabs_that_are_not_parallel_count():
     origin = random.choice([0.0, 1.0, 0.25], (200, 36))
     direction = np.zeros((200, 36))
     direction[np.arange(200), random.integers(0, 36, 200)] = random.choice([-2.0, 0.5], 200)
-    found = clip(np.zeros(36), np.ones(36), origin, direction)
+    found = clip_slabs(np.zeros(36), np.ones(36), origin, direction)
     for pixel in range(200):
         low, high = exact_interval(np.zeros(36), np.ones(36), origin[pixel], direction[pixel])
         assert float(low) == pytest.approx(found.low[pixel], rel=1e-15)
@@ -120,7 +120,7 @@ def test_only_the_slabs_that_are_not_parallel_count():
 
 
 def test_perfect_white_is_inside():
-    found = clip(np.zeros(3), np.ones(3), np.ones((1, 3)), np.full((1, 3), -0.5))
+    found = clip_slabs(np.zeros(3), np.ones(3), np.ones((1, 3)), np.full((1, 3), -0.5))
     assert found.low[0] == 0.0
 
 
@@ -130,7 +130,7 @@ def test_subnormal_and_huge_directions_end_inside(speed):
     random = np.random.default_rng(14)
     origin = random.uniform(0, 1, (50, 4))
     direction = random.choice([-1.0, 1.0, 0.0], (50, 4)) * speed
-    found = clip(np.zeros(4), np.ones(4), origin, direction)
+    found = clip_slabs(np.zeros(4), np.ones(4), origin, direction)
     for pixel in range(50):
         truth = exact_interval(np.zeros(4), np.ones(4), origin[pixel], direction[pixel])
         assert found.low[pixel] <= 0 <= found.high[pixel]
@@ -149,22 +149,22 @@ def test_a_pixel_that_is_not_finite_is_named(bad):
         lines = {"origin": np.full((5000, 4), 0.5), "direction": np.ones((5000, 4))}
         lines[where][4321, 2] = bad
         with pytest.raises(ValueError, match=f"pixel 4321, slab 2: the {where} is"):
-            clip(np.zeros(4), np.ones(4), **lines)
+            clip_slabs(np.zeros(4), np.ones(4), **lines)
 
 
 def test_bounds_upside_down_are_named():
     with pytest.raises(ValueError, match="slab 1"):
-        clip(np.array([0.0, 1.0]), np.array([1.0, 0.5]), np.zeros((1, 2)), np.ones((1, 2)))
+        clip_slabs(np.array([0.0, 1.0]), np.array([1.0, 0.5]), np.zeros((1, 2)), np.ones((1, 2)))
 
 
 def test_a_range_of_one_point_is_found_exactly():
     # L4: the line grazes an edge of the square at t = 0.5, at t = 0.1 (no float), and passes it by one step.
     origin = np.array([[0.5, 1.5], [0.0, 0.0], [0.5, np.nextafter(1.5, 2)]])
     direction = np.array([[1.0, -1.0], [0.0, 0.0], [1.0, -1.0]])
-    found = clip(np.zeros(2), np.ones(2), origin, direction)
+    found = clip_slabs(np.zeros(2), np.ones(2), origin, direction)
     assert (found.low[0], found.high[0]) == (0.5, 0.5)
     assert found.empty.tolist() == [False, False, True]
-    third = clip(np.array([1.0, 0.0]), np.array([2.0, 1.0]), np.array([[0.0, 0.0]]), np.array([[3.0, 3.0]]))
+    third = clip_slabs(np.array([1.0, 0.0]), np.array([2.0, 1.0]), np.array([[0.0, 0.0]]), np.array([[3.0, 3.0]]))
     assert third.empty[0]
     assert third.uncertain[0], "inside at t = 1/3 only, which is no float"
 
@@ -173,8 +173,8 @@ def test_bands_may_come_in_any_order():
     # L5
     lower, upper, origin, direction = scaled_draws(FEW, 12, 5)
     order = np.random.default_rng(0).permutation(12)
-    one = clip(lower, upper, origin, direction)
-    other = clip(lower[order], upper[order], origin[:, order], direction[:, order])
+    one = clip_slabs(lower, upper, origin, direction)
+    other = clip_slabs(lower[order], upper[order], origin[:, order], direction[:, order])
     assert np.array_equal(one.low, other.low)
     assert np.array_equal(one.high, other.high)
 
@@ -185,9 +185,9 @@ def test_scaling_by_a_power_of_two_changes_no_bit(power):
     random = np.random.default_rng(15)
     lower, upper = random.uniform(0, 0.2, 36), random.uniform(0.5, 1, 36)
     origin, direction = random.uniform(0, 1, (400, 36)), random.normal(size=(400, 36))
-    one = clip(lower, upper, origin, direction)
-    scaled = clip(*(np.ldexp(v, power) for v in (lower, upper, origin, direction)))
-    faster = clip(lower, upper, origin, np.ldexp(direction, power))
+    one = clip_slabs(lower, upper, origin, direction)
+    scaled = clip_slabs(*(np.ldexp(v, power) for v in (lower, upper, origin, direction)))
+    faster = clip_slabs(lower, upper, origin, np.ldexp(direction, power))
     assert np.array_equal(one.low, scaled.low)
     assert np.array_equal(one.high, scaled.high)
     assert np.array_equal(one.low, np.ldexp(faster.low, power))
@@ -198,7 +198,7 @@ def test_a_linear_programme_agrees():
     random = np.random.default_rng(16)
     lower, upper = random.uniform(0, 0.1, 36), random.uniform(0.6, 1, 36)
     origin, direction = random.uniform(0, 0.9, (100, 36)), random.normal(size=(100, 36))
-    found = clip(lower, upper, origin, direction)
+    found = clip_slabs(lower, upper, origin, direction)
     for pixel in range(100):
         rows = np.concatenate([direction[pixel], -direction[pixel]])[:, None]
         limits = np.concatenate([upper - origin[pixel], origin[pixel] - lower])
@@ -211,8 +211,8 @@ def test_a_linear_programme_agrees():
 
 def test_pixels_do_not_depend_on_their_tile():
     lower, upper, origin, direction = scaled_draws(FEW, 36, 3)
-    whole = clip(lower, upper, origin, direction)
-    one_by_one = [clip(lower, upper, origin[[n]], direction[[n]]) for n in range(200)]
+    whole = clip_slabs(lower, upper, origin, direction)
+    one_by_one = [clip_slabs(lower, upper, origin[[n]], direction[[n]]) for n in range(200)]
     assert whole.low[:200].tolist() == [i.low[0] for i in one_by_one]
     assert whole.high[:200].tolist() == [i.high[0] for i in one_by_one]
 
@@ -222,9 +222,9 @@ def test_clipping_in_basis_coordinates_is_clipping_in_wavelengths():
     random = np.random.default_rng(17)
     basis = uniform_first(random.uniform(0, 1, (60, 36)))
     origin, direction = random.uniform(0, 1, (500, 36)), random.normal(size=(500, 36))
-    spectra = clip(np.zeros(36), np.ones(36), origin, direction)
+    spectra = clip_slabs(np.zeros(36), np.ones(36), origin, direction)
     c_origin, c_direction = basis.coordinates(origin), basis.coordinates(direction)
-    coordinates = clip(np.zeros(36), np.ones(36), basis.spectra(c_origin), basis.spectra(c_direction))
+    coordinates = clip_slabs(np.zeros(36), np.ones(36), basis.spectra(c_origin), basis.spectra(c_direction))
     assert np.array_equal(spectra.empty, coordinates.empty)
     some = ~spectra.empty
     np.testing.assert_allclose(coordinates.low[some], spectra.low[some], rtol=1e-12, atol=1e-13)
