@@ -74,9 +74,7 @@ class _Scratch(NamedTuple):
     far: Lines
 
 
-def clip(
-    gamut: Gamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]
-) -> Interval:
+def clip(gamut: Gamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]) -> Interval:
     """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
 
     Examples

@@ -98,7 +98,7 @@ def uniform_first(samples: Samples) -> Basis:
     """
     scaled, scale = _scaled(samples)
     # The triangle has the samples' right singular vectors and values, and at most as many rows as there are bands.
-    scaled = np.linalg.qr(scaled, mode="r")
+    scaled = np.asarray(np.linalg.qr(scaled, mode="r"))
     bands = samples.shape[1]
     constant = np.full(bands, 1 / np.sqrt(bands))
     deflated = scaled

@@ -1,0 +1,157 @@
+"""What every pixel does along a parameter: step 5 of the paper.
+
+Scalars factor out of the products of spectra, so that a pixel is a polynomial in each parameter ``t`` whose
+coefficients are spectra,
+
+    p_n(t) = Σ_k t^k q_k        (a scale)        p_n(t) = Σ_k C(D, k) (1 − t)^(D−k) t^k b_k        (a blend)
+
+of the total degree of what the parameter moves.  With g ≥ 0 no q_k and no b_k is negative: a scale moves every band
+one way, and a blend stays between the least and the largest of its b_k (Bernstein's form).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import comb
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import sparse
+
+from symrt.arrays import Spectrum
+from symrt.feedback.parameters import Ends, Parameter, moved_ends
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.spectra.shading import gamma
+from symrt.system import Interaction, LinearSystem
+
+__all__ = ["Along", "along"]
+
+Gamma = Float[np.ndarray, "_ band"]
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """Every pixel as a polynomial in one parameter.
+
+    Parameters
+    ----------
+    form
+        ``"power"``: Σ t^k q_k.  ``"bernstein"``: Σ C(D, k) (1 − t)^(D−k) t^k b_k.
+    parts
+        For each k the part of G and of Γ whose product is q_k or b_k.
+    touched
+        Pixels that the parameter changes.
+    terms
+        The most numbers that are added or multiplied for one coefficient: what bounds its rounding.
+    """
+
+    form: Literal["power", "bernstein"]
+    parts: tuple[tuple[sparse.csr_array, Gamma], ...]
+    touched: Bool[np.ndarray, " pixel"]
+    terms: int
+
+    @property
+    def degree(self) -> int:
+        """Degree of the polynomials."""
+        return len(self.parts) - 1
+
+    @property
+    def signed(self) -> bool:
+        """Whether some coefficient of G is negative, so that pixels need not be monotone."""
+        return any(bool((G.data < 0).any()) for G, _ in self.parts)
+
+    def coefficients(self, rows: slice) -> Float[np.ndarray, "power pixel band"]:
+        """The spectra q_k, or b_k, of some pixels."""
+        return np.stack([G[rows] @ spectra for G, spectra in self.parts])
+
+    def at(self, t: Number, rows: slice = slice(None)) -> Float[np.ndarray, "pixel band"]:
+        """The pixels at one value of the parameter."""
+        k, degree = np.arange(self.degree + 1), self.degree
+        weights = (
+            t**k if self.form == "power" else np.array([comb(degree, j) for j in k]) * (1 - t) ** (degree - k) * t**k
+        )
+        return np.tensordot(weights, self.coefficients(rows), axes=1)
+
+    def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Int[np.ndarray, " row"]) -> "Along":
+        """Some of the pixels, each spectrum times a matrix."""
+        parts = tuple((G[rows], spectra @ matrix) for G, spectra in self.parts)
+        return replace(self, parts=parts, touched=self.touched[rows], terms=self.terms + len(matrix))
+
+
+def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along:
+    """Every pixel's radiance as a polynomial in a parameter.
+
+    Raises
+    ------
+    ValueError
+        If nothing of the system has that name, if a blend's materials do not fit together, if the palette lacks a
+        symbol, or if the system keeps a parameter of a model free.
+
+    Examples
+    --------
+    Light that comes back from a mirror of brass to brass counts twice:
+
+    >>> from symrt.feedback.parameters import Scale
+    >>> from symrt.spectra.bands import RGB
+    >>> columns = (Interaction("key", ("brass.diffuse",)), Interaction("key", ("brass.diffuse", "brass.mirror")))
+    >>> G = sparse.csr_array(np.array([[0.5, 0.25]]))
+    >>> system = LinearSystem(G, columns, height=1, width=1, white={"key": 0.5})
+    >>> palette = Palette(RGB, {"key": 1, "brass.diffuse": 0.5, "brass.mirror": 0.4})
+    >>> along(system, palette, Scale("brass")).coefficients(slice(None))[:, 0, 0].tolist()
+    [0.0, 0.25, 0.05]
+    """
+    return along_ends(system, palette, moved_ends(system, palette, parameter))
+
+
+def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> Along:
+    """Every pixel as a polynomial in t when each of the symbols goes from its first spectrum to its last."""
+    _check_settled(system)
+    gamma(system.interactions, palette)  # names what the palette lacks
+    columns = [_product(i, palette, ends) for i in system.interactions]
+    degrees = np.array([len(c) - 1 for c in columns], dtype=int)
+    degree = int(degrees.max(initial=0))
+    power = all(not first.any() for first, _ in ends.values())
+    chosen: list[np.ndarray] = [degrees == k if power else degrees >= 0 for k in range(degree + 1)]
+    values = [c[-1:].repeat(degree + 1, axis=0) if power else _bernstein(c, degree) for c in columns]
+    spectra = np.array(values).reshape(-1, degree + 1, len(palette.bands))
+    changing = (degrees > 0) & (spectra.any(axis=(1, 2)) if power else (spectra != spectra[:, :1]).any(axis=(1, 2)))
+    return Along(
+        form="power" if power else "bernstein",
+        parts=tuple((system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)),
+        touched=np.abs(system.G) @ changing.astype(float) > 0,
+        terms=int(np.diff(system.G.indptr).max(initial=0))
+        + max((i.degree for i in system.interactions), default=0)
+        + 8,
+    )
+
+
+def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends]) -> Float[np.ndarray, "power band"]:
+    """Γ of one interaction as Σ e_k (1 − t)^(D−k) t^k, with D the number of its symbols that move."""
+    product = np.ones((1, len(palette.bands)))
+    for name in (interaction.light, *interaction.met):
+        if name not in ends:
+            product = product * _spectrum(palette, name)
+            continue
+        first, last = ends[name]
+        product = np.vstack([product * first, np.zeros_like(first)]) + np.vstack([np.zeros_like(last), product * last])
+    return product
+
+
+def _bernstein(product: Float[np.ndarray, "power band"], degree: int) -> Float[np.ndarray, "raised band"]:
+    """The same polynomial, times (1 − t + t)^m to bring it to `degree`, by its Bernstein coefficients b_k."""
+    more = degree - len(product) + 1
+    raised = np.zeros((degree + 1, product.shape[1]))
+    for j, k in np.ndindex(len(product), more + 1):
+        raised[j + k] += comb(more, k) * product[j]
+    return raised / np.array([comb(degree, k) for k in range(degree + 1)])[:, None]
+
+
+def _check_settled(system: LinearSystem) -> None:
+    if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
+        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")
+
+
+def _spectrum(palette: Palette, name: str) -> Spectrum:
+    """A symbol's spectrum; an alternative that the palette does not name is no part of the picture."""
+    return palette[name] if name in palette else np.zeros(len(palette.bands))

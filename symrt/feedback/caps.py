@@ -1,0 +1,78 @@
+"""The physical cap on a material's scale: no surface reflects more than it receives (step 5 of the paper).
+
+The components diffuse, specular and mirror of one material may together not pass 1 in any band; every other one, such
+as a reflectance at normal incidence, not by itself.
+"""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from symrt.arrays import Spectrum
+from symrt.feedback.parameters import component_of
+from symrt.spectra.palette import Palette, is_reflectance
+
+__all__ = ["Cap", "above_one", "physical_cap"]
+
+TOGETHER = frozenset({"diffuse", "specular", "mirror"})
+INWARD = 1 - 2.0**-50
+
+
+class Cap(NamedTuple):
+    """The largest physical scale, and what reaches 1 in which band there."""
+
+    value: float
+    symbol: str
+    band: str
+
+
+def physical_cap(palette: Palette, moved: tuple[str, ...]) -> Cap | None:
+    """The largest factor on the reflectances `moved` that keeps their materials physical; None without a limit.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> brass = Palette(RGB, {"brass.diffuse": [0.5, 0.4, 0.1], "brass.specular": 0.3})
+    >>> found = physical_cap(brass, ("brass.diffuse", "brass.specular"))
+    >>> round(found.value, 12), found.symbol, found.band
+    (1.25, 'brass', 'red')
+    """
+    caps = []
+    for name, symbols in _groups(palette).items():
+        rising = sum((palette[s] for s in symbols if s in moved), np.zeros(len(palette.bands)))
+        rest = sum((palette[s] for s in symbols if s not in moved), np.zeros(len(palette.bands)))
+        if rising.any():
+            with np.errstate(divide="ignore"):
+                factors = np.where(rising > 0, np.maximum(1 - rest, 0) / rising, np.inf) * INWARD
+            band = int(factors.argmin())
+            caps.append(Cap(float(factors[band]), name, palette.bands.labels[band]))
+    return min(caps, default=None)
+
+
+def above_one(palette: Palette) -> tuple[str, ...]:
+    """Materials, or single components, that reflect more than they receive in some band.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> above_one(Palette(RGB, {"brass.diffuse": 0.7, "brass.specular": 0.4, "sea.diffuse": 1}))
+    ('brass',)
+    """
+    # Three roundings at most: a sum that is 1 in decimals is not above it.
+    most = 1 + 2.0**-50
+    return tuple(name for name, symbols in _groups(palette).items() if _total(palette, symbols).max() > most)
+
+
+def _groups(palette: Palette) -> Mapping[str, list[str]]:
+    """Symbols whose reflectances count together, by the name of their material; single ones by their own."""
+    groups = defaultdict(list)
+    for symbol in sorted(name for name in palette if is_reflectance(name)):
+        material = symbol.partition(".")[0]
+        groups[material if component_of(symbol) in TOGETHER else symbol].append(symbol)
+    return groups
+
+
+def _total(palette: Palette, symbols: list[str]) -> Spectrum:
+    return np.sum([palette[s] for s in symbols], axis=0)

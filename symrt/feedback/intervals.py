@@ -1,0 +1,98 @@
+"""The values of a parameter that each pixel allows: step 5 of the paper, tile by tile.
+
+An affine pixel is clipped, a posynomial's bounds are met once each, and anything else is enclosed in Bernstein's form.
+Pixels are themselves sums of rounded products: the bounds are moved inwards by as much as those can be off, so that
+what is certified holds for the system's and the palette's own numbers.
+"""
+
+from math import comb
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from symrt.feedback.along import Along
+from symrt.feedback.clipping import clip_slabs
+from symrt.feedback.limits import Bound
+from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
+from symrt.spectra.bands import Number
+
+__all__ = ["inside_at", "intervals"]
+
+TILE = 2048
+"""Pixels shaded and clipped at a time: their spectra stay in cache."""
+
+Powers = Float[np.ndarray, "power pixel slab"]
+Slabs = Float[np.ndarray, " slab"]
+
+
+def intervals(line: Along, bound: Bound, within: tuple[Number, Number]) -> Spans:
+    """The parts of `within` that keep each row of `line`, already seen through the bound's matrix, inside.
+
+    Rows that no value keeps inside do not occur in the result.
+    """
+    tiles = []
+    for start in range(0, len(line.touched), TILE):
+        found = _tile(line, line.coefficients(slice(start, start + TILE)), bound, within)
+        tiles.append(found._replace(pixel=found.pixel + start))
+    if not tiles:
+        return Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
+    return Spans(*(np.concatenate(column) for column in zip(*tiles, strict=True)))
+
+
+def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
+    """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
+    lower, upper = _moved(bound.lower, bound.upper, -share * line.terms * ROUNDING, 0.0)
+    inside = np.empty(len(line.touched), dtype=bool)
+    for start in range(0, len(inside), TILE):
+        rows = slice(start, start + TILE)
+        values = line.at(t, rows)
+        inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
+    return inside
+
+
+def _tile(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number]) -> Spans:
+    error = 2 * line.terms * ROUNDING
+    extra = error * float(np.abs(c).max(initial=0)) if line.signed else 0.0
+    if line.degree == 1:
+        return _affine(line, c, bound, within, error, extra)
+    lower, upper = _moved(bound.lower, bound.upper, error, extra)
+    if line.form == "bernstein":
+        return spans_inside(c, lower, upper, within)
+    if line.signed:
+        found = spans_inside(_bernstein(c, float(within[1])), lower, upper, (within[0] / within[1], 1.0))
+        return Spans(found.pixel, found.low * within[1], found.high * within[1])
+    low = lowest(c, lower, within[1]) if (lower > 0).any() else np.full(c.shape[1], float(within[0]))
+    return _within(low, highest(c, upper, within[1]), within)
+
+
+def _affine(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number], error: float, extra: float) -> Spans:
+    direction = c[1] if line.form == "power" else c[1] - c[0]
+    if line.form == "bernstein":  # the difference is rounded
+        extra += 2 * ROUNDING * float(np.abs(direction).max(initial=0))
+    found = clip_slabs(*_moved(bound.lower, bound.upper, error, extra), c[0], direction)
+    return _within(found.low, found.high, within)
+
+
+def _within(
+    low: Float[np.ndarray, " pixel"], high: Float[np.ndarray, " pixel"], within: tuple[Number, Number]
+) -> Spans:
+    low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
+    kept = np.flatnonzero(low <= high)
+    return Spans(kept, low[kept], high[kept])
+
+
+def _moved(lower: Slabs, upper: Slabs, error: float, extra: float) -> tuple[Slabs, Slabs]:
+    """Bounds moved inwards (outwards for a negative error) by a share of their size, and by a constant."""
+    down, up = (np.where(np.isfinite(b), error * np.abs(b) + extra, 0.0) for b in (lower, upper))
+    return lower + down, upper - up
+
+
+def _bernstein(q: Powers, top: float) -> Powers:
+    """Bernstein coefficients, in t / top, of Σ t^k q_k."""
+    degree = len(q) - 1
+    return np.stack(
+        [
+            sum((comb(j, k) / comb(degree, k) * top**k * q[k] for k in range(j + 1)), np.zeros_like(q[0]))
+            for j in range(degree + 1)
+        ]
+    )

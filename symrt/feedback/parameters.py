@@ -1,0 +1,149 @@
+"""Parameters of the feedback: step 5 of the paper.
+
+A parameter is one number ``t`` that moves some of a palette's spectra along straight lines: a scale from nothing
+(t = 0) to what the palette gives (t = 1) and beyond, a blend from one material (t = 0) to another (t = 1).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symrt.arrays import Spectrum
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette, did_you_mean, is_reflectance
+from symrt.system import LinearSystem
+
+__all__ = [
+    "Blend",
+    "Exposure",
+    "Parameter",
+    "Scale",
+    "component_of",
+    "material_of",
+    "moved",
+    "moved_ends",
+    "with_spectra",
+]
+
+Ends = tuple[Spectrum, Spectrum]
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A factor on a light ``"key"``, on all components of a material ``"brass"``, or on one ``"brass.specular"``."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return f"scale of {self.name}"
+
+
+@dataclass(frozen=True)
+class Blend:
+    """``material`` painted over with ``other``: its spectra become (1 − t) · its own + t · the other's."""
+
+    material: str
+    other: str
+
+    def __str__(self) -> str:
+        return f"blend from {self.material} to {self.other}"
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """A factor on all lights at once, against the same reference white."""
+
+    def __str__(self) -> str:
+        return "exposure"
+
+
+Parameter = Scale | Blend | Exposure
+
+
+def moved(system: LinearSystem, palette: Palette, parameter: Parameter, value: Number) -> Palette:
+    """The palette at one value of a parameter; if a reflectance then passes 1 it is marked as unphysical.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.spectra.bands import RGB
+    >>> from symrt.system import Interaction
+    >>> column = Interaction("key", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[1.0]]), (column,), height=1, width=1, white={"key": 1.0})
+    >>> moved(system, Palette(RGB, {"key": 1, "sea.diffuse": [0.1, 0.2, 0.4]}), Scale("sea"), 2)["sea.diffuse"]
+    array([0.2, 0.4, 0.8])
+    """
+    ends = moved_ends(system, palette, parameter)
+    spectra = {name: first * (1 - value) + last * value for name, (first, last) in ends.items()}
+    return with_spectra(palette, spectra)
+
+
+def with_spectra(palette: Palette, spectra: Mapping[str, Spectrum]) -> Palette:
+    """A palette with other spectra, allowed above 1."""
+    above = any(is_reflectance(name) and bool(values.max() > 1) for name, values in spectra.items())
+    return replace(palette, spectra={**palette.spectra, **spectra}, unphysical=palette.unphysical or above)
+
+
+def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> dict[str, Ends]:
+    """For each symbol that the parameter moves, its spectra at t = 0 and t = 1."""
+    if isinstance(parameter, Blend):
+        return _blend_ends(system, palette, parameter)
+    names = system.lights if isinstance(parameter, Exposure) else scaled_symbols(system, palette, parameter)
+    return {name: (np.zeros(len(palette.bands)), palette[name]) for name in names if name in palette}
+
+
+def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> tuple[str, ...]:
+    """The symbols that a scale multiplies: a light, a component, or all components of a material."""
+    symbols = sorted({*system.lights, *system.symbols, *palette})
+    found = [s for s in symbols if parameter.name in (s, material_of(s))]
+    if not found:
+        known = sorted({*symbols, *(material_of(s) for s in symbols)})
+        raise ValueError(
+            f"nothing to scale is called {did_you_mean([parameter.name], known)}: name a light, a material, or one "
+            "component of it such as 'brass.specular'"
+        )
+    return tuple(found)
+
+
+def material_of(symbol: str) -> str:
+    """Whose spectrum a symbol is: ``ice``'s for ``ice.diffuse`` and for ``sea>ice.diffuse``; nobody's for a light."""
+    return symbol.partition(".")[0].rpartition(">")[2] if is_reflectance(symbol) else ""
+
+
+def component_of(symbol: str) -> str:
+    """What follows the dot: ``diffuse``."""
+    return symbol.rpartition(".")[2]
+
+
+def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[str, Ends]:
+    """Component by component on the material's own geometry, or with the other's columns where those were traced."""
+    if blend.material == blend.other:
+        raise ValueError(f"a blend of {blend.material} with itself changes nothing: name two materials")
+    own, other = (_components(system, palette, name) for name in (blend.material, blend.other))
+    nothing = np.zeros(len(palette.bands))
+    added = f"{blend.material}>{blend.other}"
+    if added in system.models or any(name.startswith(f"{added}.") for name in system.reflectances):
+        return {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], nothing) for c in own} | {
+            f"{added}.{c}": (nothing, palette[f"{blend.other}.{c}"]) for c in other
+        }
+    models = [system.models.get(name, "no model on record") for name in (blend.material, blend.other)]
+    if own != other or models[0] != models[1]:
+        described = " and ".join(
+            f"{name} ({', '.join(sorted(components))}; {model})"
+            for name, components, model in zip((blend.material, blend.other), (own, other), models, strict=True)
+        )
+        raise ValueError(
+            f"{described} differ in more than their spectra: trace(scene, alternatives="
+            f'{{"{blend.material}": ["{blend.other}"]}}) adds the columns that the blend needs'
+        )
+    return {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], palette[f"{blend.other}.{c}"]) for c in own}
+
+
+def _components(system: LinearSystem, palette: Palette, material: str) -> frozenset[str]:
+    symbols = {*system.reflectances, *palette.reflectances}
+    found = frozenset(component_of(s) for s in symbols if s.partition(".")[0] == material)
+    if not found:
+        known = sorted({s.partition(".")[0] for s in symbols if ">" not in s})
+        raise ValueError(f"no material is called {did_you_mean([material], known)}: a blend joins two materials")
+    return found

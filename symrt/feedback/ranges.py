@@ -1,0 +1,237 @@
+"""Which values of a parameter keep an image inside a gamut: step 5 of the paper.
+
+Each pixel allows a parameter ``t`` some closed intervals; the image's range is what all its pixels have in common, or
+all but a share.  A pixel is *untouched* by the parameter (and is inside or outside whatever t), *fixable*, or
+*unfixable* (no t brings it inside).  The range is that of the fixable pixels; it is *complete* only if no more pixels
+than allowed are in the way, else it holds for the *rest only*.  Shares are of object pixels, those that light reaches.
+"""
+
+import time
+from collections.abc import Callable
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.along import Along, along
+from symrt.feedback.caps import Cap, above_one, physical_cap
+from symrt.feedback.intervals import inside_at, intervals
+from symrt.feedback.limits import Bound, Limits, limits
+from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
+from symrt.feedback.polynomials import Spans
+from symrt.feedback.reasons import Feasible, Reason
+from symrt.feedback.shares import End, Kind, Piece, curve, pieces, shared, tightest
+from symrt.gamut.slabs import Gamut
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.system import LinearSystem
+
+__all__ = ["feasible", "reason"]
+
+Pixels = Int[np.ndarray, " pixel"]
+Range = tuple[Number, Number]
+Why = Callable[[End, float], Reason]
+
+
+def feasible(  # noqa: PLR0913  # a public verb names its options
+    system: LinearSystem,
+    palette: Palette,
+    gamut: Gamut,
+    parameter: Parameter,
+    *,
+    within: Range | None = None,
+    allowed_out: Number = 0.0,
+    allowed_dark: Number = 0.0,
+    reference: Reference | None = None,
+    cap: bool = True,
+) -> Feasible:
+    """The values of a parameter that keep the image inside a gamut, and what stops it beyond them.
+
+    Parameters
+    ----------
+    parameter
+        A `Scale` of a light or a material, a `Blend` of two materials, or the `Exposure`.
+    within
+        The range to look in: 0.01 … 3 for a scale, 0 … 1 for a blend, if not given.
+    allowed_out
+        Share of the object pixels that may be outside.
+    allowed_dark
+        Share of the pixels above black with the palette given that may fall below, if the gamut keeps black.
+    reference
+        The white and the exposure that make reflectances of radiances.
+    cap
+        Whether a material's components may together reflect no more than 1 in any band.
+
+    Raises
+    ------
+    ValueError
+        If the parameter, the palette, the gamut and the system do not fit together; the message says how.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.feedback.parameters import Scale
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.4})
+    >>> feasible(system, palette, device_gamut(device), Scale("sea"))
+    The scale of sea may be 0.01 … 2.5 to keep the image inside (complete).
+    Below 0.01 the range asked for ends; above 2.5 pixel (1, 0) meets the upper bound at 380 nm (where the device's
+    data are extrapolated).
+    0.0% of the object pixels are darker than the device's black.
+    Against unit gamut (0 … 1), black clipped (necessary; dye-sublimation-like, modelled from the dyes of Kodak
+    Professional Endura Premier paper); reference sun, exposure 1.
+    """
+    start = time.perf_counter()
+    within = _checked_range(parameter, within)
+    _check_share(allowed_out, "allowed_out")
+    _check_share(allowed_dark, "allowed_dark")
+    asked = limits(system, palette, gamut, reference)
+    line = along(system, palette, parameter)
+    now = 0.0 if isinstance(parameter, Blend) else 1.0
+    image = _image(line, asked, np.flatnonzero(system.object_pixels), within, now)
+    budget = int(allowed_out * len(image.objects) + 1e-9) - len(image.outside) - len(image.unfixable)
+    constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
+    capped = None
+    if cap and not isinstance(parameter, Blend):
+        capped = physical_cap(palette, tuple(moved_ends(system, palette, parameter)))
+        constraints += [] if capped is None else [_alone(Piece(0.0, capped.value, End("range"), End("cap")))]
+    found = reduce(shared, [constraint.pieces for constraint in constraints])
+
+    def why(end: End, t: float) -> Reason:
+        return reason(line, asked, end, t, system.width, capped)
+
+    return Feasible(
+        parameter=parameter,
+        within=within,
+        intervals=tuple((piece.low, piece.high) for piece in found),
+        reasons=tuple((why(piece.below, piece.low), why(piece.above, piece.high)) for piece in found),
+        conflict=None if found else _conflict(constraints, why),
+        verdict="complete" if budget >= 0 else "rest-only",
+        untouched_outside=image.outside,
+        unfixable=image.unfixable,
+        dark=image.dark,
+        objects=len(image.objects),
+        above_one=above_one(moved(system, palette, parameter, found[-1].high)) if found else (),
+        curve=curve(image.spans, image.always, len(image.objects)),
+        note=asked.note,
+        width=system.width,
+        seconds=time.perf_counter() - start,
+    )
+
+
+class _Image(NamedTuple):
+    """What each object pixel allows, and those that the parameter cannot help."""
+
+    objects: Pixels
+    touched: Pixels
+    spans: Spans
+    outside: Pixels
+    unfixable: Pixels
+    dark: float
+
+    @property
+    def always(self) -> int:
+        """Pixels that are inside whatever the parameter's value."""
+        return len(self.objects) - len(self.touched) - len(self.outside)
+
+
+class _Constraint(NamedTuple):
+    """The values that one kind of bound allows, and the pixels that ask for most below and above."""
+
+    pieces: list[Piece]
+    tightest: Piece
+
+
+def _image(line: Along, asked: Limits, objects: Pixels, within: Range, now: float) -> _Image:
+    bound = asked.upper
+    touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
+    found = intervals(line.seen(bound.matrix, touched), bound, within)
+    black = Bound(np.zeros((0, 1)), np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
+    darker = inside_at(line.seen(asked.luminance[:, None], objects), black, now, -1.0)
+    return _Image(
+        objects=objects,
+        touched=touched,
+        spans=found._replace(pixel=touched[found.pixel]),
+        outside=untouched[~inside_at(line.seen(bound.matrix, untouched), bound, 0.0)],
+        unfixable=np.delete(touched, np.unique(found.pixel)),
+        dark=float(darker.mean()) if len(objects) else 0.0,
+    )
+
+
+def _upper(image: _Image, within: Range, budget: int) -> _Constraint:
+    fixable = len(image.touched) - len(image.unfixable)
+    return _constraint(image.spans, within, fixable - max(0, budget), "upper")
+
+
+def _dark(line: Along, asked: Limits, image: _Image, within: Range, allowed: Number, now: float) -> list[_Constraint]:
+    """The values at which no more than the share allowed of the pixels above black have fallen below."""
+    if asked.dark is None:
+        return []
+    bound, objects = asked.dark, image.objects
+    counted = objects[inside_at(line.seen(bound.matrix, objects), bound, now)]
+    touched = counted[line.touched[counted]]
+    found = intervals(line.seen(bound.matrix, touched), bound, within)
+    needed = len(touched) - int(allowed * len(counted) + 1e-9)
+    return [_constraint(found._replace(pixel=touched[found.pixel]), within, needed, "dark")]
+
+
+def _constraint(spans: Spans, within: Range, needed: int, kind: Kind) -> _Constraint:
+    found = pieces(spans, within, needed, kind)
+    if found:
+        return _Constraint(found, Piece(found[0].low, found[-1].high, found[0].below, found[-1].above))
+    whole = Piece(within[0], within[1], End("range"), End("range"))
+    return _Constraint(found, tightest(spans, kind) if len(spans.pixel) else whole)
+
+
+def _alone(piece: Piece) -> _Constraint:
+    return _Constraint([piece], piece)
+
+
+def _conflict(constraints: list[_Constraint], why: Why) -> tuple[tuple[float, Reason], tuple[float, Reason]]:
+    least = max((c.tightest for c in constraints), key=lambda piece: piece.low)
+    most = min((c.tightest for c in constraints), key=lambda piece: piece.high)
+    return (least.low, why(least.below, least.low)), (most.high, why(most.above, most.high))
+
+
+def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: Cap | None) -> Reason:
+    """What ends an interval at t: for a pixel, the bound that its spectrum meets most nearly there."""
+    if end.kind == "range":
+        return Reason("range")
+    if end.kind == "cap":
+        assert capped is not None
+        return Reason("cap", band=capped.band, symbol=capped.symbol)
+    bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
+    value = line.seen(bound.matrix, np.array([end.pixel])).at(t)[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        nearness = np.where(end.kind == "upper", value / bound.upper, bound.lower / value)
+    band = int(bound.bands[np.nanargmax(nearness)])
+    y, x = divmod(end.pixel, width)
+    if band < 0:
+        return Reason("luminance", x=x, y=y)
+    return Reason(
+        side="upper" if end.kind == "upper" else "lower",
+        x=x,
+        y=y,
+        band=asked.bands.labels[band],
+        extrapolated=bool(asked.gamut.device.extrapolated[band]),
+    )
+
+
+def _checked_range(parameter: Parameter, within: Range | None) -> tuple[float, float]:
+    low, high = within or ((0.0, 1.0) if isinstance(parameter, Blend) else (0.01, 3.0))
+    if not (0 <= low <= high and np.isfinite(high) and high > 0) or (isinstance(parameter, Blend) and high > 1):
+        rule = "0 <= low <= high <= 1" if isinstance(parameter, Blend) else "0 <= low <= high, high above 0 and finite"
+        raise ValueError(f"within = ({low}, {high}): the {parameter} needs {rule}")
+    return float(low), float(high)
+
+
+def _check_share(value: Number, name: str) -> None:
+    if not 0 <= value <= 1:
+        raise ValueError(f"{name} = {value}: it is a share of pixels, from 0 to 1; for 5 % give 0.05")

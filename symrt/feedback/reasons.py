@@ -1,0 +1,157 @@
+"""What the feedback answers, in words: which values of a parameter keep an image inside a gamut, and why no others."""
+
+import html
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.parameters import Parameter
+from symrt.feedback.shares import Curve
+
+__all__ = ["Feasible", "Reason", "Side"]
+
+Side = Literal["upper", "lower", "luminance", "range", "cap"]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """What stops a parameter at a value.
+
+    Parameters
+    ----------
+    side
+        ``"upper"`` or ``"lower"``: a pixel meets that bound of a band; ``"luminance"``: a pixel meets the luminance of
+        the device's black; ``"cap"``: reflectances would sum to more than 1; ``"range"``: the range asked for ends.
+    x, y
+        The pixel: column from the left, row from the top.
+    band
+        The band, as ``"560 nm"``.
+    extrapolated
+        Whether the device was not measured in that band.
+    symbol
+        What would pass 1, for a cap.
+    """
+
+    side: Side
+    x: int | None = None
+    y: int | None = None
+    band: str | None = None
+    extrapolated: bool = False
+    symbol: str | None = None
+
+    def __str__(self) -> str:
+        if self.side == "range":
+            return "the range asked for ends"
+        guess = " (where the device's data are extrapolated)" if self.extrapolated else ""
+        if self.side == "cap":
+            return f"{self.symbol} would reflect more than it receives at {self.band}"
+        if self.side == "luminance":
+            return f"pixel ({self.x}, {self.y}) meets the luminance of the device's black"
+        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound at {self.band}{guess}"
+
+
+@dataclass(frozen=True, eq=False)
+class Feasible:
+    """The values of one parameter that keep an image inside a gamut.
+
+    Parameters
+    ----------
+    parameter
+        What was asked about.
+    within
+        The range asked about.
+    intervals
+        The values found, as closed intervals; none if there are none.
+    reasons
+        For each interval, what stops it below and above.
+    conflict
+        Where there is no value: the least that one bound needs and the most that another allows, and what they are.
+    verdict
+        ``"complete"``: with these values at most the share allowed is outside.  ``"rest-only"``: more than that is
+        outside whatever the value; the intervals hold for the rest.
+    untouched_outside
+        Pixels that are outside and do not depend on the parameter.
+    unfixable
+        Pixels that depend on it, and that no value in the range brings inside.
+    dark
+        Share of the object pixels that are darker than the device's black with the palette given.
+    objects
+        Number of object pixels, those that light reaches.
+    above_one
+        Reflectances that pass 1 at the highest value found.
+    curve
+        Share of the object pixels outside, as a function of the value.
+    note
+        Gamut, reference, exposure, and what is modelled or left out.
+    width
+        Of the image, to turn pixel numbers into places.
+    seconds
+        Time it took.
+    """
+
+    parameter: Parameter
+    within: tuple[float, float]
+    intervals: tuple[tuple[float, float], ...]
+    reasons: tuple[tuple[Reason, Reason], ...]
+    conflict: tuple[tuple[float, Reason], tuple[float, Reason]] | None
+    verdict: Literal["complete", "rest-only"]
+    untouched_outside: Int[np.ndarray, " outside"]
+    unfixable: Int[np.ndarray, " unfixable"]
+    dark: float
+    objects: int
+    above_one: tuple[str, ...]
+    curve: Curve
+    note: str
+    width: int
+    seconds: float
+
+    @property
+    def low(self) -> float | None:
+        """The least value found, None if there is none."""
+        return self.intervals[0][0] if self.intervals else None
+
+    @property
+    def high(self) -> float | None:
+        """The largest value found, None if there is none."""
+        return self.intervals[-1][1] if self.intervals else None
+
+    def places(self, pixels: Int[np.ndarray, " pixel"]) -> Int[np.ndarray, "pixel 2"]:
+        """Columns x and rows y of numbered pixels."""
+        return np.stack([pixels % self.width, pixels // self.width], axis=1)
+
+    def __repr__(self) -> str:
+        return "\n".join([self._answer(), *self._reasons(), *self._exceptions(), f"Against {self.note}."])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<li>{html.escape(line)}</li>" for line in [*self._reasons(), *self._exceptions()])
+        return f"<p>{html.escape(self._answer())}</p><ul>{rows}</ul><p><small>{html.escape(self.note)}</small></p>"
+
+    def _answer(self) -> str:
+        what = str(self.parameter)
+        if not self.intervals:
+            low, high = self.within
+            return f"The {what} has no value in {low:g} … {high:g} that keeps the image inside ({self.verdict})."
+        values = " or ".join(f"{low:.4g} … {high:.4g}" for low, high in self.intervals)
+        whom = "the image" if self.verdict == "complete" else "the rest of the image"
+        return f"The {what} may be {values} to keep {whom} inside ({self.verdict})."
+
+    def _reasons(self) -> list[str]:
+        if self.conflict is not None:
+            (least, needs), (most, allows) = self.conflict
+            return [f"At least {least:.4g} is needed, where {needs}; at most {most:.4g} is allowed, where {allows}."]
+        return [
+            f"Below {low:.4g} {below}; above {high:.4g} {above}."
+            for (low, high), (below, above) in zip(self.intervals, self.reasons, strict=True)
+        ]
+
+    def _exceptions(self) -> list[str]:
+        counts = (
+            (len(self.untouched_outside), "outside and untouched by it"),
+            (len(self.unfixable), "outside whatever its value"),
+        )
+        lines = [f"{n} of {self.objects} object pixels are {what}." for n, what in counts if n]
+        if self.above_one:
+            lines.append(f"At its highest value {', '.join(self.above_one)} would reflect more than it receives.")
+        return [*lines, f"{self.dark:.1%} of the object pixels are darker than the device's black."]

@@ -1,0 +1,51 @@
+"""Random systems with the sparsity of a rendered image, for tests of the feedback that need no renderer."""
+
+import numpy as np
+from scipy import sparse
+
+from symrt.spectra.bands import wavelengths
+from symrt.spectra.palette import Palette
+from symrt.system import Interaction, LinearSystem
+
+BANDS = wavelengths(380, 730, 10)
+MATTE = ("deep", "shelf", "lowland", "upland", "mountain", "ice")
+
+
+def system(height=24, width=24, seed=0, mirrors=True, background=0.2):
+    """Matte materials and a glossy brass under a key and a fill light; some brass mirrors matte things, or itself."""
+    random = np.random.default_rng(seed)
+    names = [(light, (f"{m}.diffuse",)) for light in ("fill", "key") for m in (*MATTE, "brass")]
+    names += [(light, ("brass.specular",)) for light in ("fill", "key")]
+    if mirrors:
+        names += [(light, ("brass.mirror", f"{m}.diffuse")) for light in ("fill", "key") for m in MATTE[:3]]
+        names += [("key", ("brass.diffuse", "brass.mirror")), ("key", ("brass.diffuse", "brass.mirror", "brass.mirror"))]
+    columns = sorted(Interaction(light, tuple(sorted(met))) for light, met in names)
+    number = {column: k for k, column in enumerate(columns)}
+    G = np.zeros((height * width, len(columns)))
+    seen = random.integers(0, len(MATTE) + 1, height * width)
+    for column, k in number.items():
+        lit = random.uniform(0, 1, height * width) ** 2 * (0.3 if column.light == "key" else 0.05)
+        if column.met == ("brass.specular",):
+            lit *= random.uniform(0, 1, height * width) ** 8 * 8
+        material = column.met[0].partition(".")[0]
+        index = MATTE.index(material) if material in MATTE else len(MATTE)
+        G[:, k] = np.where(seen == index, lit, 0)
+    G[random.uniform(size=height * width) < background] = 0
+    return LinearSystem(
+        sparse.csr_array(G), tuple(columns), height, width, white={"key": 1 / np.pi, "fill": 1 / np.pi}
+    )
+
+
+def palette(seed=0, mirrors=True):
+    """Smooth spectra, moderately bright."""
+    random = np.random.default_rng(seed)
+    nm = np.array(BANDS.centres)
+
+    def smooth(low, high):
+        centre, width = random.uniform(400, 700), random.uniform(40, 150)
+        return low + (high - low) * np.exp(-(((nm - centre) / width) ** 2))
+
+    spectra = {"key": 3 + smooth(-0.5, 0.5), "fill": 1 + smooth(-0.2, 0.2)}
+    spectra |= {f"{m}.diffuse": smooth(0.1, random.uniform(0.3, 0.9)) for m in (*MATTE, "brass")}
+    spectra |= {"brass.specular": smooth(0.1, 0.2)} | ({"brass.mirror": smooth(0.1, 0.3)} if mirrors else {})
+    return Palette(BANDS, spectra)
