@@ -16,7 +16,7 @@ from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference, key_light
+from symrt.spectra.reference import Reference, whites
 from symrt.system import LinearSystem
 
 __all__ = ["Bound", "Limits", "limits"]
@@ -126,7 +126,7 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
         luminance=weights * shown,
         blackest=float((gamut.device.samples @ weights).min()),
         masked=shown == 0,
-        reference=f"reference {reference.light or key_light(system, palette)}, exposure {reference.exposure:g}",
+        reference=f"reference {reference.light or next(iter(whites(system, palette)))}, exposure {reference.exposure:g}",
     )
 
 
