@@ -347,6 +347,9 @@ def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
     normals = uv = None
     if all(part.normals is not None for part in parts):
         normals = turn @ np.concatenate([np.asarray(part.normals) for part in parts]).T
+        # A file may round its normals or weigh them; between corners only their directions are blended.
+        lengths = np.linalg.norm(normals, axis=0)
+        normals = normals / np.where(lengths > 0, lengths, 1.0)
     if all(part.uv is not None for part in parts):
         uv = np.concatenate([np.asarray(part.uv) for part in parts]).T
         # Files count v from the bottom of the picture, we from its top.

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from symrt.arrays import Vectors, dot
 from symrt.geometry.rays import Hits, Rays, Surface
@@ -32,10 +32,17 @@ class View:
 
 
 def look(surface: Surface, slot: Int[np.ndarray, " hit"], rays: Rays, sample: Int[np.ndarray, " hit"]) -> View:
-    """Turn normals to the viewer: the true surface decides the face, the smoothed normal follows."""
+    """Turn normals to the viewer: the true surface decides the face, the smoothed normal follows it.
+
+    A file may wind its faces against its own vertex normals, so the two are compared, never assumed to agree.
+    """
     viewer = -rays.direction
-    side = np.where(dot(surface.normal, viewer) < 0, -1.0, 1.0)
-    return View(surface, slot, viewer, side * surface.normal, side * surface.shading_normal, sample)
+    normal = _turned(surface.normal, viewer)
+    return View(surface, slot, viewer, normal, _turned(surface.shading_normal, normal), sample)
+
+
+def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:
+    return np.where(dot(normal, towards) < 0, -normal, normal)
 
 
 def select_rays(rays: Rays, which: Int[np.ndarray, " hit"]) -> Rays:
