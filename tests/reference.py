@@ -12,6 +12,7 @@ References
 import importlib
 import itertools
 import math
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -213,9 +214,9 @@ def cylinder(table: Table) -> Shape:
             along_axis = dot(p, axis)
             if distance > low and 0 <= along_axis <= height:
                 normal = unit(sub(p, scale(along_axis, axis)))
-                angle = math.atan2(dot(normal, v), dot(normal, u)) / (2 * math.pi)
+                turn = math.atan2(dot(normal, v), dot(normal, u)) / (2 * math.pi) + 0.5
                 extent = (2 * math.pi * radius, height)
-                uv = (angle % 1.0, along_axis / height)
+                uv = (turn % 1.0, 1 - along_axis / height)
                 return Hit(distance, along(origin, distance, direction), normal, normal, uv, extent, table["material"])
         return None
 
@@ -239,6 +240,7 @@ class Corner(NamedTuple):
     """A corner of a triangle."""
 
     position: Vector
+    uv: tuple[float, float]
     normal: Vector | None
 
 
@@ -248,7 +250,7 @@ def mesh(table: Table, folder: Path) -> Shape:
 
     def placed(corner: Corner) -> Corner:
         normal = None if corner.normal is None else unit(turn(corner.normal))
-        return Corner(add(turn(scale(size, corner.position)), shift), normal)
+        return Corner(add(turn(scale(size, corner.position)), shift), corner.uv, normal)
 
     return boxed(
         [
@@ -275,28 +277,34 @@ def rotation(degrees: Sequence[float]) -> Callable[[Vector], Vector]:
 def read_obj(path: Path) -> Iterable[tuple[tuple[Corner, Corner, Corner], str]]:
     """Triangles of a file and the file's name of their material; polygons become fans."""
     positions: list[Vector] = []
+    uvs: list[Vector] = []
     normals: list[Vector] = []
     name = ""
     for line in path.read_text().splitlines():
         word, *rest = line.split() or ["#"]
         if word == "v":
             positions.append((float(rest[0]), float(rest[1]), float(rest[2])))
+        elif word == "vt":  # v counts up from the bottom in the file, and down from the top here
+            uvs.append((float(rest[0]), 1 - float(rest[1]), 0.0))
         elif word == "vn":
             normals.append((float(rest[0]), float(rest[1]), float(rest[2])))
         elif word == "usemtl":
             name = " ".join(rest)
         elif word == "f":
-            corners = [_corner(text.split("/"), positions, normals) for text in rest]
+            corners = [_corner(text, positions, uvs, normals) for text in rest]
             for second, third in itertools.pairwise(corners[1:]):
                 yield (corners[0], second, third), name
 
 
-def _corner(parts: list[str], positions: list[Vector], normals: list[Vector]) -> Corner:
-    def pick(items: list[Vector], text: str) -> Vector:
-        index = int(text)
-        return items[index - 1 if index > 0 else index]
+def _corner(text: str, positions: list[Vector], uvs: list[Vector], normals: list[Vector]) -> Corner:
+    """From its numbers ``position/uv/normal``, the last two may be missing; they count from 1, or from the end."""
+    position, uv, normal = (*text.split("/"), "", "")[:3]
 
-    return Corner(pick(positions, parts[0]), pick(normals, parts[2]) if len(parts) == 3 else None)
+    def pick(items: list[Vector], number: str) -> Vector:
+        return items[int(number) - 1 if int(number) > 0 else int(number)]
+
+    u, v, _ = pick(uvs, uv) if uv else (0.0, 0.0, 0.0)
+    return Corner(pick(positions, position), (u, v), pick(normals, normal) if normal else None)
 
 
 class Bounded(NamedTuple):
@@ -334,7 +342,8 @@ def triangle(a: Corner, b: Corner, c: Corner, material: str) -> Bounded:
         shading = normal
         if a.normal is not None and b.normal is not None and c.normal is not None:
             shading = unit(add(scale(1 - v - w, a.normal), add(scale(v, b.normal), scale(w, c.normal))))
-        return Hit(distance, point, normal, shading, (v, w), (1.0, 1.0), material)
+        uv = tuple((1 - v - w) * a.uv[k] + v * b.uv[k] + w * c.uv[k] for k in range(2))
+        return Hit(distance, point, normal, shading, uv, (1.0, 1.0), material)  # type: ignore[arg-type]
 
     corners = [a.position, b.position, c.position]
     return Bounded(tuple(map(min, *corners)), tuple(map(max, *corners)), hit)  # type: ignore[arg-type]
@@ -405,30 +414,37 @@ def banded_relief(table: Table) -> Callable[[Hit], dict[str, float]]:
 
 
 def label_image(table: Table, folder: Path) -> Callable[[Hit], dict[str, float]]:
-    """The picture element that the point falls in holds the number of its material."""
+    """The element that the point falls in, u to the right and v down from the top, holds the number of its material."""
     pixels = imageio.imread(folder / table["file"]).tolist()
 
     def weights(hit: Hit) -> dict[str, float]:
-        return {table["materials"][element(pixels, hit.uv)]: 1.0}
+        row = pixels[math.floor(hit.uv[1] * len(pixels)) % len(pixels)]
+        return {table["materials"][row[math.floor(hit.uv[0] * len(row)) % len(row)]]: 1.0}
 
     return weights
 
 
 def weight_image(table: Table, folder: Path) -> Callable[[Hit], dict[str, float]]:
-    """The channels of the picture element, divided by their sum, are the weights of the materials."""
-    pixels = imageio.imread(folder / table["file"]).tolist()
+    """Each element's channels, divided by their sum, are weights; between the elements' centres they are blended.
+
+    One channel serves two materials: black is the first, white the second.
+    """
+    pixels = imageio.imread(folder / table["file"])
+    most = np.iinfo(pixels.dtype).max
+    rows = [[[most - p, p] if isinstance(p, int) else p for p in row] for row in pixels.tolist()]
 
     def weights(hit: Hit) -> dict[str, float]:
-        channels = element(pixels, hit.uv)
-        return {name: part / sum(channels) for name, part in zip(table["materials"], channels, strict=True) if part}
+        x, y = hit.uv[0] * len(rows[0]) - 0.5, hit.uv[1] * len(rows) - 0.5
+        right, down = x - math.floor(x), y - math.floor(y)
+        shares = dict.fromkeys(table["materials"], 0.0)
+        for i, share_of_column in ((0, 1 - right), (1, right)):
+            for j, share_of_row in ((0, 1 - down), (1, down)):
+                channels = rows[(math.floor(y) + j) % len(rows)][(math.floor(x) + i) % len(rows[0])]
+                for name, part in zip(table["materials"], channels, strict=True):
+                    shares[name] += share_of_column * share_of_row * part / sum(channels)
+        return shares
 
     return weights
-
-
-def element(rows: list[list[Any]], uv: tuple[float, float]) -> Any:
-    """Of a picture with u to the right and v down from the top, repeated beyond its edges."""
-    row = rows[math.floor(uv[1] * len(rows)) % len(rows)]
-    return row[math.floor(uv[0] * len(row)) % len(row)]
 
 
 # --- Lights ----------------------------------------------------------------------------------------------------------
@@ -487,7 +503,8 @@ def radiance(
     if hit is None:
         return total
     to_eye = scale(-1, direction)
-    hit = hit._replace(normal=facing(hit.normal, to_eye), shading=facing(hit.shading, to_eye))
+    normal = turned(hit.normal, to_eye)
+    hit = hit._replace(normal=normal, shading=turned(hit.shading, normal))
     weights = scene.textures[hit.material](hit) if hit.material in scene.textures else {hit.material: 1.0}
     for name, weight in weights.items():
         from_lights(total, scene, spectra, hit, to_eye, name, weight)
@@ -500,8 +517,8 @@ def radiance(
     return total
 
 
-def facing(normal: Vector, to_eye: Vector) -> Vector:
-    return normal if dot(normal, to_eye) > 0 else scale(-1, normal)
+def turned(normal: Vector, towards: Vector) -> Vector:
+    return normal if dot(normal, towards) >= 0 else scale(-1, normal)
 
 
 def from_lights(
@@ -587,7 +604,7 @@ def load(path: str | Path) -> Scene:
     computed = {"checker": checker, "banded_relief": banded_relief}
     textures = file.get("textures", {})
     return Scene(
-        camera=file["camera"] | {k: v for k, v in file.get("render", {}).items() if k == "samples"},
+        camera=file["camera"],
         shapes=[mesh(t, folder) if t["type"] == "mesh" else kinds[t["type"]](t) for t in file["shapes"]],
         lights={name: lights[t["type"]](t) for name, t in file["lights"].items() if t["type"] != "ambient"},
         ambient=[name for name, t in file["lights"].items() if t["type"] == "ambient"],
@@ -597,7 +614,7 @@ def load(path: str | Path) -> Scene:
             name: from_file[t["type"]](t, folder) if t["type"] in from_file else computed[t["type"]](t)
             for name, t in textures.items()
         },
-        depth=file.get("render", {}).get("depth", 4),
+        depth=file.get("depth", 4),
     )
 
 
@@ -627,14 +644,20 @@ def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
         return [float(value)] * (3 if grid is None else len(grid))
     if isinstance(value, list):
         return [float(x) for x in value]
-    assert grid is not None, f"{value!r} is not a list of red, green and blue"
+    if isinstance(value, dict):
+        return [value["scale"] * x for x in spectrum(value["spectrum"], grid)]
     family, name = value.split("/")
-    if family == "macbeth":
-        chart = colour_science().SDS_COLOURCHECKERS["BabelColor Average"]
-        (patch,) = (sd for title, sd in chart.items() if title.lower().split(" (")[0] == name.lower().replace("_", " "))
-        return on_grid(patch, grid)
-    light = colour_science().SDS_ILLUMINANTS[name]
-    return [x / luminance(light) for x in on_grid(light, grid)]
+    if family == "illuminant":
+        light = colour_science().SDS_ILLUMINANTS[name]
+        return [x / luminance(light) for x in on_grid(light, grid)]
+    chart = colour_science().SDS_COLOURCHECKERS["BabelColor Average"]
+    # A grey's notation and density may be left out: white is "white 9.5 (.05 D)".
+    (patch,) = (
+        sd
+        for title, sd in chart.items()
+        if name in (title, re.sub(r"( [\d.]+)? \(.*", "", title), title.split(" (")[0])
+    )
+    return on_grid(patch, grid)
 
 
 def colour_science() -> Any:
@@ -643,7 +666,8 @@ def colour_science() -> Any:
         return importlib.import_module("colour")
 
 
-def on_grid(table: Any, grid: list[float]) -> Spectrum:
+def on_grid(table: Any, grid: list[float] | None) -> Spectrum:
+    assert grid is not None, "a table of wavelengths has no red, green and blue here"
     measured = dict(zip(table.wavelengths.tolist(), table.values.tolist(), strict=True))
     return [measured[nm] for nm in grid]
 

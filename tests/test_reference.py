@@ -63,7 +63,7 @@ def test_a_periscope_needs_a_depth_of_two_and_squares_its_mirror(tmp_path, depth
         shapes=shapes,
         materials={"wall": {}, "chrome": {"model": "mirror"}},
         lights={"sun": {"type": "directional", "direction": [0, 0, -1], "shadows": False}},
-        render={"depth": depth},
+        depth=depth,
     )
     assert seen == pytest.approx([0.25 if depth >= 2 else 0.0] * 3, rel=1e-15)
 

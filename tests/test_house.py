@@ -1,0 +1,59 @@
+"""The laws of the house that no tool checks for us."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HOME = Path(__file__).parents[1]
+MODULES = sorted((HOME / "symrt").rglob("*.py"))
+TEXTS = [
+    path
+    for pattern in ("*.md", "*.toml", "*.txt", ".ci/run", "scenes/**/*", "symrt/**/*", "tests/**/*", "notebooks/**/*")
+    for path in HOME.glob(pattern)
+    if path.suffix in {".py", ".md", ".toml", ".txt", ".ipynb", ".js", ".json", ".obj", ".mtl", ".csv", ".html", ""}
+    and path.is_file()
+    and path != Path(__file__)
+]
+
+
+def test_importing_symrt_and_its_command_line_pays_for_nothing_slow():
+    heavy = ["sympy", "trimesh", "colour", "matplotlib", "scipy.optimize", "pydantic"]
+    ask = f"import sys, symrt, symrt.cli; print(*(name for name in {heavy} if name in sys.modules))"
+    answer = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True, cwd=HOME)
+    assert answer.stdout.split() == []
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(HOME)))
+def test_a_module_evaluates_no_text_and_hides_no_shapes(path):
+    text = path.read_text()
+    assert "from __future__ import annotations" not in text, "it hides the shapes from the checker"
+    called = {
+        node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", None)
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Call)
+    }
+    assert called.isdisjoint({"eval", "exec", "sympify", "parse_expr", "__import__"})
+
+
+def test_nothing_loads_a_pickle():
+    for path in MODULES:
+        assert not re.search(r"^\s*(import|from) (pickle|marshal|shelve|joblib|dill)\b", path.read_text(), re.MULTILINE)
+        assert "allow_pickle=True" not in path.read_text()
+
+
+def test_nothing_names_a_registry_or_one_machine_s_folders():
+    private = re.compile(
+        r"pypi\.org|pythonhosted|npmjs|deb\.debian|index-url|find-links|file:///|/(?:root|home|work|opt)/"
+    )
+    found = {str(path.relative_to(HOME)): private.findall(path.read_text()) for path in TEXTS}
+    assert {name: words for name, words in found.items() if words} == {}
+
+
+def test_constraints_are_versions_only():
+    lines = [line for line in (HOME / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
+    assert len(lines) > 50
+    assert [line for line in lines if not re.fullmatch(r"[A-Za-z0-9_.-]+==[0-9][A-Za-z0-9.]*", line)] == []
