@@ -229,7 +229,8 @@ def _certified(
     uncertain = np.zeros(len(low), dtype=bool)
     for pixel in np.flatnonzero(((low > high) & ~certainly_empty) | doubtful):
         low[pixel], high[pixel], uncertain[pixel] = _exact(lower, upper, origin[pixel], direction[pixel])
-    empty = (low > high) | uncertain
+    # Parallel and outside, both ends are at the same infinity.
+    empty = (low > high) | (low == np.inf) | (high == -np.inf) | uncertain
     return Interval(np.where(empty, np.inf, low), np.where(empty, -np.inf, high), uncertain)
 
 

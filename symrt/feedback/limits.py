@@ -111,6 +111,7 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
             "palette.on(gamut.bands), or load_device(name, palette.bands)"
         )
     reference = reference or Reference()
+    name = reference.light or next(iter(whites(system, palette)), "")
     white = reference.white(system, palette)
     visible = np.flatnonzero(white >= INVISIBLE * white.max())
     gamut = gamut.under(white)
@@ -126,7 +127,7 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
         luminance=weights * shown,
         blackest=float((gamut.device.samples @ weights).min()),
         masked=shown == 0,
-        reference=f"reference {reference.light or next(iter(whites(system, palette)))}, exposure {reference.exposure:g}",
+        reference=f"reference {name}, exposure {reference.exposure:g}",
     )
 
 
