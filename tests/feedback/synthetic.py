@@ -18,7 +18,10 @@ def system(height=24, width=24, seed=0, mirrors=True, background=0.2):
     names += [(light, ("brass.specular",)) for light in ("fill", "key")]
     if mirrors:
         names += [(light, ("brass.mirror", f"{m}.diffuse")) for light in ("fill", "key") for m in MATTE[:3]]
-        names += [("key", ("brass.diffuse", "brass.mirror")), ("key", ("brass.diffuse", "brass.mirror", "brass.mirror"))]
+        names += [
+            ("key", ("brass.diffuse", "brass.mirror")),
+            ("key", ("brass.diffuse", "brass.mirror", "brass.mirror")),
+        ]
     columns = sorted(Interaction(light, tuple(sorted(met))) for light, met in names)
     number = {column: k for k, column in enumerate(columns)}
     G = np.zeros((height * width, len(columns)))
@@ -31,9 +34,7 @@ def system(height=24, width=24, seed=0, mirrors=True, background=0.2):
         index = MATTE.index(material) if material in MATTE else len(MATTE)
         G[:, k] = np.where(seen == index, lit, 0)
     G[random.uniform(size=height * width) < background] = 0
-    return LinearSystem(
-        sparse.csr_array(G), tuple(columns), height, width, white={"key": 1 / np.pi, "fill": 1 / np.pi}
-    )
+    return LinearSystem(sparse.csr_array(G), tuple(columns), height, width, white={"key": 1 / np.pi, "fill": 1 / np.pi})
 
 
 def palette(seed=0, mirrors=True):
