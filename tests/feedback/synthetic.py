@@ -24,7 +24,7 @@ def system(height=24, width=24, seed=0, mirrors=True, background=0.2):
         ]
     columns = sorted(Interaction(light, tuple(sorted(met))) for light, met in names)
     number = {column: k for k, column in enumerate(columns)}
-    G = np.zeros((height * width, len(columns)))
+    coefficients = np.zeros((height * width, len(columns)))
     seen = random.integers(0, len(MATTE) + 1, height * width)
     for column, k in number.items():
         lit = random.uniform(0, 1, height * width) ** 2 * (0.3 if column.light == "key" else 0.05)
@@ -32,9 +32,11 @@ def system(height=24, width=24, seed=0, mirrors=True, background=0.2):
             lit *= random.uniform(0, 1, height * width) ** 8 * 8
         material = column.met[0].partition(".")[0]
         index = MATTE.index(material) if material in MATTE else len(MATTE)
-        G[:, k] = np.where(seen == index, lit, 0)
-    G[random.uniform(size=height * width) < background] = 0
-    return LinearSystem(sparse.csr_array(G), tuple(columns), height, width, white={"key": 1 / np.pi, "fill": 1 / np.pi})
+        coefficients[:, k] = np.where(seen == index, lit, 0)
+    coefficients[random.uniform(size=height * width) < background] = 0
+    return LinearSystem(
+        sparse.csr_array(coefficients), tuple(columns), height, width, white={"key": 1 / np.pi, "fill": 1 / np.pi}
+    )
 
 
 def palette(seed=0, mirrors=True):

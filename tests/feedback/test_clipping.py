@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 from symrt.feedback.clipping import blocking, clip, clip_slabs
-from symrt.gamut.basis import uniform_first
+from symrt.gamut.inks import load_device
+from symrt.gamut.slabs import device_gamut
 
 UNIT = Fraction(1, 2**53)
 FEW, MANY = 2_000, 100_000
@@ -217,15 +218,30 @@ def test_pixels_do_not_depend_on_their_tile():
     assert whole.high[:200].tolist() == [i.high[0] for i in one_by_one]
 
 
-def test_clipping_in_basis_coordinates_is_clipping_in_wavelengths():
+@pytest.mark.parametrize("model", ["unit", "envelope"])
+def test_clipping_in_basis_coordinates_is_clipping_in_wavelengths(model):
     """The paper, §2.1 and §5: r = Bᵀ c, so that slabs of spectra are slabs lo <= Bᵀ c <= hi of coordinates."""
     random = np.random.default_rng(17)
-    basis = uniform_first(random.uniform(0, 1, (60, 36)))
-    origin, direction = random.uniform(0, 1, (500, 36)), random.normal(size=(500, 36))
-    spectra = clip_slabs(np.zeros(36), np.ones(36), origin, direction)
+    gamut = device_gamut(load_device("dye3-endura-premier"), model, "strict")
+    origin, direction = random.uniform(0, 1, (500, 36)) ** 2, random.normal(size=(500, 36))
+    spectra = clip(gamut, origin, direction)
+    basis = gamut.basis
     c_origin, c_direction = basis.coordinates(origin), basis.coordinates(direction)
-    coordinates = clip_slabs(np.zeros(36), np.ones(36), basis.spectra(c_origin), basis.spectra(c_direction))
+    coordinates = clip_slabs(gamut.lower, gamut.upper, c_origin @ basis.vectors, c_direction @ basis.vectors)
     assert np.array_equal(spectra.empty, coordinates.empty)
     some = ~spectra.empty
+    assert some.any()
     np.testing.assert_allclose(coordinates.low[some], spectra.low[some], rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(coordinates.high[some], spectra.high[some], rtol=1e-12, atol=1e-13)
+
+
+def test_ends_are_inside_the_gamut_that_keeps_the_luminance_of_black():
+    random = np.random.default_rng(18)
+    gamut = device_gamut(load_device("dye3-endura-premier"), "envelope", "luminance")
+    origin, direction = random.uniform(0, 0.1, (500, 36)), random.normal(size=(500, 36))
+    found = clip(gamut, origin, direction)
+    without = clip_slabs(gamut.lower, gamut.upper, origin, direction)
+    some = ~found.empty
+    for end in (found.low[some], found.high[some]):
+        assert gamut.violation(origin[some] + end[:, None] * direction[some]).max() <= 1e-15
+    assert (found.low > without.low).any()
