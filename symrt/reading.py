@@ -50,7 +50,7 @@ def scene_path(path: str | Path) -> Path:
     >>> scene_path("first").name, scene_path("mine/first.toml").name
     ('first.toml', 'first.toml')
     """
-    if isinstance(path, str) and NAME.fullmatch(path) and not Path(path).exists():
+    if isinstance(path, str) and NAME.fullmatch(path) and not Path(path).is_file():
         return shipped_scene(path)
     return Path(path)
 

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 
 from symrt.arrays import Vectors, normalise
-from symrt.errors import refuse
+from symrt.errors import refuse, shown
 from symrt.geometry.rays import Rays
-from symrt.scene.checks import Number, Triple, check_number, check_triple, floats, settle
+from symrt.scene.checks import Number, Triple, check_number, check_triple, check_whole, floats, settle
 
 __all__ = ["Camera", "Window", "camera_rays", "moved_camera"]
 
@@ -156,14 +156,12 @@ def _view_faults(camera: Camera) -> list[str]:
 
 def _film_faults(camera: Camera) -> list[str]:
     sides = [("width", camera.width, LARGEST), ("height", camera.height, LARGEST), ("samples", camera.samples, 64)]
-    return [
-        f"{key} = {value if abs(value) < 10**9 else 'far too many'}: it must be a whole number from 1 to {most}"
-        for key, value, most in sides
-        if not 1 <= value <= most
-    ]
+    return [fault for key, value, most in sides for fault in check_whole(key, value, most)]
 
 
 def _angle_faults(camera: Camera) -> list[str]:
+    if camera.type not in ("perspective", "orthographic"):
+        return [f"type = {shown(camera.type)}: it must be 'perspective' or 'orthographic'"]
     if camera.type == "orthographic":
         if camera.field_of_view is not None:
             return ["field_of_view: an orthographic camera has none; give view_width, in scene units, instead"]

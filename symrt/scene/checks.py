@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from symrt.errors import NAME, shown
+from symrt.geometry.rays import Triple
 
-__all__ = ["Number", "Triple", "check_name", "check_number", "check_triple", "floats", "settle"]
+__all__ = ["Number", "Triple", "check_name", "check_number", "check_triple", "check_whole", "floats", "settle"]
 
 Number = int | float
-Triple = tuple[Number, Number, Number]
 
 
 def check_number(key: str, value: object) -> Iterator[str]:
@@ -25,6 +25,19 @@ def check_number(key: str, value: object) -> Iterator[str]:
         yield f"{key} = {shown(value)}: it must be a number; write it without quotes, such as 1.5"
     elif not _finite(value):
         yield f"{key} = {shown(value)}: numbers must be finite; write an ordinary number, such as 1.5"
+
+
+def check_whole(key: str, value: object, most: int, least: int = 1) -> Iterator[str]:
+    """A whole number from `least` to `most`.
+
+    Examples
+    --------
+    >>> list(check_whole("width", 0, 32768))
+    ['width = 0: it must be a whole number from 1 to 32768']
+    """
+    whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+    if not whole or not least <= int(value) <= most:  # type: ignore[call-overload]
+        yield f"{key} = {shown(value)}: it must be a whole number from {least} to {most}"
 
 
 def check_triple(key: str, value: Any, *, direction: bool = False) -> Iterator[str]:

@@ -130,7 +130,7 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
     faults = list(_own_name_faults(tables))
     named = {kind: _with_names(tables[kind]) for kind in NAMED if kind in tables}
     try:
-        document = _reader().validate_json(json.dumps({**tables, **named}, default=str))
+        document = _reader().validate_json(_json({**tables, **named}))
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=True)
         # Of a union that nothing fits only one member is reported: a number, or one name for a mesh.
@@ -150,6 +150,12 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
     except ValueError as error:
         return None, [*faults, *str(error).splitlines()]
     return (None if faults else scene), faults
+
+
+def _json(tables: Mapping[str, Any]) -> str:
+    """The tables as JSON; dates and whole numbers beyond 64 bits, reported already, become text and floats."""
+    text = json.dumps(tables, default=str)
+    return json.dumps(json.loads(text, parse_int=lambda digits: int(digits) if len(digits) < 20 else float(digits)))
 
 
 def _with_names(kind: Any) -> Any:
@@ -209,6 +215,8 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
     elif error["type"].startswith("union_tag"):
         value = f" = {shown(error['ctx']['tag'])}: there is no such type" if "tag" in error["ctx"] else ": missing"
         yield f"{key}.type{value}; {suggestion(str(error['ctx'].get('tag', '')), known)}"
+    elif error["type"] == "literal_error":
+        yield f"{key} = {shown(error['input'])}: it must be {error['ctx']['expected']}"
     elif error["type"] == "missing" and not isinstance(last, int):
         yield f"{key}: missing; add it"
     else:

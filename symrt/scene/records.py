@@ -16,7 +16,7 @@ import numpy as np
 from symrt.errors import refuse, shown, suggestion
 from symrt.geometry.rays import encloses
 from symrt.scene.cameras import Camera
-from symrt.scene.checks import check_name, check_number, settle
+from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import AmbientLight, Light, PointLight
 
@@ -94,6 +94,11 @@ class Scene:
         Mirror bounces followed; what is cut off after them is bounded and reported.
     folder
         Where the files of meshes and textures lie.
+
+    Raises
+    ------
+    ValueError
+        If the parts do not fit each other, with one line for each thing that is wrong.
 
     Examples
     --------
@@ -192,8 +197,7 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
     kinds = list(_kind_faults(scene))
     yield from kinds
     yield from light_faults(scene.lights)
-    if not 0 <= scene.depth <= DEEPEST:
-        yield f"depth = {shown(scene.depth)}: it must be a whole number from 0 to {DEEPEST}; 4 is usual"
+    yield from check_whole("depth", scene.depth, DEEPEST, least=0)
     if not kinds:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))
@@ -231,8 +235,10 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
 def _place_faults(scene: Scene) -> Iterator[str]:
     eye = np.array(scene.camera.position)
     for i, shape in enumerate(scene.shapes):
-        # A mesh that is still a file is asked once it is loaded.
-        if not hasattr(shape, "file") and encloses(shape, eye):
+        # A mesh that is still a file is asked once it is loaded.  What overflows is far away, and so outside.
+        with np.errstate(over="ignore", invalid="ignore"):
+            inside = not hasattr(shape, "file") and encloses(shape, eye)
+        if inside:
             place = shown(scene.camera.position)
             yield f"camera.position = {place}: it is inside shapes[{i}]; move the camera or the shape"
     for light in scene.lights:

@@ -94,7 +94,7 @@ GOOD = {"position": (0, 3, 8), "target": (0, 1, 0), "width": 4, "height": 4}
         ({"field_of_view": float("nan")}, r"^field_of_view = nan: numbers must be finite"),
         ({"width": 0}, r"^width = 0: it must be a whole number from 1 to 32768"),
         ({"height": -3}, r"^height = -3: it must be"),
-        ({"height": 10**5000}, r"^height = far too many: it must be"),
+        ({"height": 10**5000}, r"^height = an integer of more than 40 digits: it must be"),
         ({"samples": 0}, r"^samples = 0: it must be a whole number from 1 to 64"),
         ({"position": (0, 1, 0)}, r"^target: the camera stands at the point it looks at"),
         ({"target": (0, 3, float("inf"))}, r"^target\[2\] = inf: numbers must be finite"),
