@@ -43,6 +43,8 @@ _NAMES = {
     "symrt.system": ["Interaction", "LinearSystem", "load_system", "save_system"],
     # 3: shade
     "symrt.spectra": [
+        "RGB",
+        "clipped",
         "Bands",
         "Palette",
         "Reference",
@@ -57,9 +59,9 @@ _NAMES = {
         "wavelengths",
     ],
     # 4: basis and gamut
-    "symrt.gamut": ["Basis", "Device", "Gamut", "device_gamut", "load_device", "load_gamut", "save_gamut"],
+    "symrt.gamut": ["Basis", "Device", "Gamut", "device_gamut", "devices", "load_device", "load_gamut", "save_gamut"],
     # 5: feedback
-    "symrt.feedback": ["Blend", "Scale", "clip", "feasible", "fit"],
+    "symrt.feedback": ["Blend", "Exposure", "Scale", "clip", "feasible", "fit"],
     # Looking
     "symrt.explore": ["plots"],
     "symrt.errors": ["SceneError"],

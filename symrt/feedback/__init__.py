@@ -1,1 +1,8 @@
 """Step 5: what the gamut says about the parameters."""
+
+from symrt.feedback.clipping import Interval, clip
+from symrt.feedback.parameters import Blend, Exposure, Scale
+from symrt.feedback.ranges import feasible
+from symrt.feedback.reasons import Feasible, Reason
+
+__all__ = ["Blend", "Exposure", "Feasible", "Interval", "Reason", "Scale", "clip", "feasible"]
