@@ -61,7 +61,7 @@ def obj(parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> str:
         lines += ["vn {:.5f} {:.5f} {:.5f}".format(*normal) for normal in normals.T]
         lines += [f"f {a}//{a} {b}//{b} {c}//{c}" for a, b, c in (faces + start).T]
         start += vertices.shape[1]
-    return "\n".join(lines).replace("-0.00000 ", "0.00000 ") + "\n"
+    return "\n".join(lines) + "\n"
 
 
 def text() -> str:
