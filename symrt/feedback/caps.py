@@ -5,7 +5,7 @@ as a reflectance at normal incidence, not by itself.
 """
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -14,22 +14,26 @@ from symrt.arrays import Spectrum
 from symrt.feedback.parameters import component_of
 from symrt.spectra.palette import Palette, is_reflectance
 
-__all__ = ["Cap", "above_one", "physical_cap"]
+__all__ = ["UNLIMITED", "Cap", "above_one", "physical_cap"]
 
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 INWARD = 1 - 2.0**-50
 
 
 class Cap(NamedTuple):
-    """The largest physical scale, and what reaches 1 in which band there."""
+    """The largest physical scale, and what reaches 1 in which band there: a material or a symbol, and its symbols."""
 
     value: float
     symbol: str
     band: str
+    symbols: frozenset[str]
 
 
-def physical_cap(palette: Palette, moved: tuple[str, ...]) -> Cap | None:
-    """The largest factor on the reflectances `moved` that keeps their materials physical; None without a limit.
+UNLIMITED = Cap(np.inf, "", "", frozenset())
+
+
+def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
+    """The largest factor on the reflectances `moved` that keeps their materials physical; perhaps infinite.
 
     Examples
     --------
@@ -47,8 +51,8 @@ def physical_cap(palette: Palette, moved: tuple[str, ...]) -> Cap | None:
             with np.errstate(divide="ignore"):
                 factors = np.where(rising > 0, np.maximum(1 - rest, 0) / rising, np.inf) * INWARD
             band = int(factors.argmin())
-            caps.append(Cap(float(factors[band]), name, palette.bands.labels[band]))
-    return min(caps, default=None)
+            caps.append(Cap(float(factors[band]), name, palette.bands.labels[band], frozenset(symbols)))
+    return min(caps, key=lambda found: found.value, default=UNLIMITED)
 
 
 def above_one(palette: Palette) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.feedback.along import Along, along
-from symrt.feedback.caps import Cap, above_one, physical_cap
+from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Bound, Limits, limits
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
@@ -28,9 +28,9 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["feasible", "reason"]
+__all__ = ["Range", "checked_range", "dark_share", "feasible", "reason"]
 
-Pixels = Int[np.ndarray, " pixel"]
+Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
 Why = Callable[[End, float], Reason]
 
@@ -89,7 +89,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     Professional Endura Premier paper); reference sun, exposure 1.
     """
     start = time.perf_counter()
-    within = _checked_range(parameter, within)
+    within = checked_range(parameter, within)
     _check_share(allowed_out, "allowed_out")
     _check_share(allowed_dark, "allowed_dark")
     asked = limits(system, palette, gamut, reference)
@@ -98,10 +98,10 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     image = _image(line, asked, np.flatnonzero(system.object_pixels), within, now)
     budget = int(allowed_out * len(image.objects) + 1e-9) - len(image.outside) - len(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
-    capped = None
+    capped = UNLIMITED
     if cap and not isinstance(parameter, Blend):
-        capped = physical_cap(palette, tuple(moved_ends(system, palette, parameter)))
-        constraints += [] if capped is None else [_alone(Piece(0.0, capped.value, End("range"), End("cap")))]
+        capped = physical_cap(palette, moved_ends(system, palette, parameter).keys())
+        constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
 
     def why(end: End, t: float) -> Reason:
@@ -153,16 +153,21 @@ def _image(line: Along, asked: Limits, objects: Pixels, within: Range, now: floa
     bound = asked.upper
     touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
     found = intervals(line.seen(bound.matrix, touched), bound, within)
-    black = Bound(np.zeros((0, 1)), np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
-    darker = inside_at(line.seen(asked.luminance[:, None], objects), black, now, -1.0)
     return _Image(
         objects=objects,
         touched=touched,
         spans=found._replace(pixel=touched[found.pixel]),
         outside=untouched[~inside_at(line.seen(bound.matrix, untouched), bound, 0.0)],
         unfixable=np.delete(touched, np.unique(found.pixel)),
-        dark=float(darker.mean()) if len(objects) else 0.0,
+        dark=dark_share(line, asked, objects, now),
     )
+
+
+def dark_share(line: Along, asked: Limits, objects: Pixels, t: float) -> float:
+    """Share of the object pixels that are darker than the device's black at t."""
+    black = Bound(asked.luminance[:, None], np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
+    darker = inside_at(line.seen(black.matrix, objects), black, t, -1.0)
+    return float(darker.mean()) if len(objects) else 0.0
 
 
 def _upper(image: _Image, within: Range, budget: int) -> _Constraint:
@@ -200,12 +205,11 @@ def _conflict(constraints: list[_Constraint], why: Why) -> tuple[tuple[float, Re
     return (least.low, why(least.below, least.low)), (most.high, why(most.above, most.high))
 
 
-def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: Cap | None) -> Reason:
+def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: Cap = UNLIMITED) -> Reason:
     """What ends an interval at t: for a pixel, the bound that its spectrum meets most nearly there."""
     if end.kind == "range":
         return Reason("range")
     if end.kind == "cap":
-        assert capped is not None
         return Reason("cap", band=capped.band, symbol=capped.symbol)
     bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
     value = line.seen(bound.matrix, np.array([end.pixel])).at(t)[0]
@@ -224,7 +228,8 @@ def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: C
     )
 
 
-def _checked_range(parameter: Parameter, within: Range | None) -> tuple[float, float]:
+def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, float]:
+    """The range to look in, the parameter's usual one if none is given."""
     low, high = within or ((0.0, 1.0) if isinstance(parameter, Blend) else (0.01, 3.0))
     if not (0 <= low <= high and np.isfinite(high) and high > 0) or (isinstance(parameter, Blend) and high > 1):
         rule = "0 <= low <= high <= 1" if isinstance(parameter, Blend) else "0 <= low <= high, high above 0 and finite"

@@ -1,6 +1,7 @@
 """What the feedback answers, in words: which values of a parameter keep an image inside a gamut, and why no others."""
 
 import html
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,8 +10,9 @@ from jaxtyping import Int
 
 from symrt.feedback.parameters import Parameter
 from symrt.feedback.shares import Curve
+from symrt.spectra.palette import Palette
 
-__all__ = ["Feasible", "Reason", "Side"]
+__all__ = ["Feasible", "Fit", "Reason", "Side"]
 
 Side = Literal["upper", "lower", "luminance", "range", "cap"]
 
@@ -147,11 +149,83 @@ class Feasible:
         ]
 
     def _exceptions(self) -> list[str]:
-        counts = (
-            (len(self.untouched_outside), "outside and untouched by it"),
-            (len(self.unfixable), "outside whatever its value"),
+        return exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The lightest, or darkest, palette in a range of scales that keeps an image inside a gamut.
+
+    Parameters
+    ----------
+    palette
+        The spectra that reproduce it: ``shade(system, fit.palette)``.
+    values
+        What each spectrum was multiplied by.
+    reasons
+        For each scale, what stopped it there.
+    verdict
+        ``"complete"``: every pixel is inside; ``"rest-only"``: every pixel but those listed.
+    untouched_outside
+        Pixels that are outside and do not depend on the scales.
+    unfixable
+        Pixels that are outside even with all scales at the low end of the range.
+    dark
+        Share of the object pixels that come out darker than the device's black.
+    objects
+        Number of object pixels, those that light reaches.
+    above_one
+        Materials that reflect more than they receive.
+    note
+        Gamut, reference, exposure, and what is modelled or left out.
+    """
+
+    palette: Palette
+    values: Mapping[str, float]
+    reasons: Mapping[str, Reason]
+    objective: Literal["lightest", "darkest"]
+    within: tuple[float, float]
+    verdict: Literal["complete", "rest-only"]
+    untouched_outside: Int[np.ndarray, " outside"]
+    unfixable: Int[np.ndarray, " unfixable"]
+    dark: float
+    objects: int
+    above_one: tuple[str, ...]
+    note: str
+    width: int
+    seconds: float
+
+    def __repr__(self) -> str:
+        lines = [f"{name} × {value:.4g}, where {self.reasons[name]}." for name, value in self.values.items()]
+        return "\n".join([self._answer(), *lines, *self._exceptions(), f"Against {self.note}."])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{html.escape(name)}</td><td>× {value:.4g}</td><td>{self.reasons[name]}</td></tr>"
+            for name, value in self.values.items()
         )
-        lines = [f"{n} of {self.objects} object pixels are {what}." for n, what in counts if n]
-        if self.above_one:
-            lines.append(f"At its highest value {', '.join(self.above_one)} would reflect more than it receives.")
-        return [*lines, f"{self.dark:.1%} of the object pixels are darker than the device's black."]
+        rest = "".join(f"<p>{html.escape(line)}</p>" for line in self._exceptions())
+        return f"<p>{self._answer()}</p><table>{rows}</table>{rest}<p><small>{html.escape(self.note)}</small></p>"
+
+    def _answer(self) -> str:
+        low, high = self.within
+        whom = "image" if self.verdict == "complete" else "image but for some pixels"
+        return f"The {self.objective} {whom} inside with scales in {low:g} … {high:g} ({self.verdict})."
+
+    def _exceptions(self) -> list[str]:
+        return exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+
+
+def exceptions(
+    untouched: Int[np.ndarray, " outside"],
+    unfixable: Int[np.ndarray, " unfixable"],
+    above_one: tuple[str, ...],
+    dark: float,
+    objects: int,
+) -> list[str]:
+    """What is not as one would wish, a sentence each."""
+    counts = ((len(untouched), "outside and untouched"), (len(unfixable), "outside whatever the value"))
+    lines = [f"{n} of {objects} object pixels are {what}." for n, what in counts if n]
+    if above_one:
+        lines.append(f"{', '.join(above_one)} would reflect more than received.")
+    return [*lines, f"{dark:.1%} of the object pixels are darker than the device's black."]

@@ -1,0 +1,182 @@
+"""Raise or lower several scales at once until pixels stop them: the filling behind `fit`, step 5 of the paper.
+
+All scales start at the low end of the range and rise together.  Where a pixel binds, those that brighten it in the
+binding band stop there, and the rest rises on.  This is valid because every coefficient of G is ≥ 0, so that no scale
+darkens anything; and the result does not depend on the order of the scales, because none has an order.  The *darkest*
+image is found the same way downwards: the level sinks from the high end, each scale follows it from its lightest value,
+and stops where a pixel would fall below the device's black.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.along import Along, along_ends
+from symrt.feedback.caps import UNLIMITED, Cap, physical_cap
+from symrt.feedback.intervals import inside_at, intervals
+from symrt.feedback.limits import Bound, Limits
+from symrt.feedback.parameters import with_spectra
+from symrt.feedback.polynomials import ROUNDING
+from symrt.feedback.ranges import reason
+from symrt.feedback.reasons import Reason
+from symrt.feedback.shares import End
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.spectra.shading import gamma
+from symrt.system import LinearSystem
+
+__all__ = ["Filled", "Task", "darkest", "lightest"]
+
+Pixels = Int[np.ndarray, " _"]
+NEARLY = 1e-9
+"""A slab whose bound is met to this share is one that binds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is filled: a system, the symbols of each scale, and the bounds, a little tighter than asked."""
+
+    system: LinearSystem
+    palette: Palette
+    asked: Limits
+    symbols: Mapping[str, frozenset[str]]
+    within: tuple[float, float]
+    cap: bool
+
+    def painted(self, values: Mapping[str, float]) -> Palette:
+        """The palette with some of the scales at their values, the others at 1."""
+        owners = {symbol: name for name, symbols in self.symbols.items() for symbol in symbols}
+        return with_spectra(
+            self.palette, {s: values[owner] * self.palette[s] for s, owner in owners.items() if owner in values}
+        )
+
+    def line(self, values: Mapping[str, float], free: frozenset[str]) -> Along:
+        """The image when the free scales share one value and the others have theirs."""
+        black = np.zeros(len(self.palette.bands))
+        ends = {s: (black, self.palette[s]) for name in sorted(free) for s in sorted(self.symbols[name])}
+        return along_ends(self.system, self.painted(values), ends)
+
+    def capped(self, values: Mapping[str, float], free: frozenset[str]) -> Cap:
+        """The largest value that the free scales may physically share."""
+        return (
+            physical_cap(self.painted(values), frozenset().union(*(self.symbols[n] for n in free)))
+            if self.cap
+            else UNLIMITED
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """Values and reasons of the scales, the pixels that were left out, and those that stay above black."""
+
+    values: Mapping[str, float]
+    reasons: Mapping[str, Reason]
+    unfixable: Pixels
+    lit: Pixels | None = None
+
+
+def lightest(task: Task) -> Filled:
+    """Raise the level; freeze what brightens a binding pixel there; go on with the rest."""
+    low, high = task.within
+    values: dict[str, float] = {}
+    reasons: dict[str, Reason] = {}
+    rows, unfixable, level = _first_limits(task)
+    while free := frozenset(task.symbols).difference(values):
+        line = task.line(values, free)
+        bound = _tightened(task.asked.upper, line, len(free))
+        touched = rows[line.touched[rows]]
+        found = intervals(line.seen(bound.matrix, touched), bound, (0.0, high))
+        limit = np.full(len(touched), low)
+        limit[found.pixel] = found.high
+        capped = task.capped(values, free)
+        level = max(level, min(float(limit.min(initial=high)), capped.value))
+        stopped: Mapping[str, Reason] = {}
+        if len(limit) and limit.min() <= level:
+            stopped = _stopped(task, values, free, line, End("upper", int(touched[limit.argmin()])), level)
+        elif capped.value <= level < high:
+            why = Reason("cap", band=capped.band, symbol=capped.symbol)
+            stopped = {n: why for n in free if task.symbols[n] & capped.symbols}
+        elif level >= high:
+            stopped = dict.fromkeys(free, Reason("range"))
+        values |= dict.fromkeys(stopped, level)
+        reasons |= stopped
+    return Filled(values, reasons, unfixable)
+
+
+def _first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
+    """Pixels that may bind, those that no common scale brings inside, and the level to start at."""
+    line = task.line({}, frozenset(task.symbols))
+    bound = _tightened(task.asked.upper, line, len(task.symbols) + 1)
+    touched = np.flatnonzero(line.touched)
+    found = intervals(line.seen(bound.matrix, touched), bound, task.within)
+    return touched[found.pixel[found.high < task.within[1]]], np.delete(touched, found.pixel), task.within[0]
+
+
+def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
+    """Lower the level; scales follow from their lightest values; freeze what lights a pixel that must not go dark."""
+    low = task.within[0]
+    if task.asked.dark is None:
+        return replace(
+            first,
+            values=dict.fromkeys(task.symbols, low),
+            reasons=dict.fromkeys(task.symbols, Reason("range")),
+        )
+    rows, budget = _lit(task, task.asked.dark, first.values, allowed_dark)
+    values, reasons = dict(first.values), dict[str, Reason]()
+    level = max(values.values())
+    while free := frozenset(task.symbols).difference(reasons):
+        sinking = frozenset(n for n in free if values[n] >= level)
+        below = max((values[n] for n in free - sinking), default=low)
+        others = {n: v for n, v in values.items() if n not in sinking}
+        line = task.line(others, sinking)
+        bound = _tightened(task.asked.dark, line, len(free))
+        touched = rows[line.touched[rows]]
+        found = intervals(line.seen(bound.matrix, touched), bound, (below, level))
+        limit = np.full(len(touched), level)
+        limit[found.pixel] = found.low
+        falling = int(np.sum(limit > below))
+        level = below if falling <= budget else float(np.sort(limit)[-1 - budget])
+        values |= dict.fromkeys(sinking, level)
+        rows = np.setdiff1d(rows, touched[limit > level])
+        budget -= int(np.sum(limit > level))
+        if falling > budget and (limit == level).any() and level > below:
+            pixel = int(touched[limit == level][0])
+            reasons |= _stopped(task, others, sinking, line, End("dark", pixel), level)
+        elif level <= low:
+            reasons |= dict.fromkeys(free, Reason("range"))
+    return replace(first, values=values, reasons=reasons, lit=rows)
+
+
+def _lit(task: Task, bound: Bound, start: Mapping[str, float], allowed: Number) -> tuple[Pixels, int]:
+    """Pixels above black both with the palette given and at the start, and how many of them may go dark."""
+    given, first = task.line({}, frozenset()), task.line(start, frozenset())
+    objects = np.flatnonzero(task.system.object_pixels)
+    counted = objects[inside_at(given.seen(bound.matrix, objects), bound, 1.0)]
+    rows = counted[inside_at(first.seen(bound.matrix, counted), bound, 1.0)]
+    return rows, max(0, int(allowed * len(counted) + 1e-9) - (len(counted) - len(rows)))
+
+
+def _stopped(
+    task: Task, values: Mapping[str, float], free: frozenset[str], line: Along, end: End, level: float
+) -> dict[str, Reason]:
+    """The free scales that light the pixel in a slab whose bound it meets, each with that as its reason."""
+    bound = task.asked.upper if end.kind == "upper" or task.asked.dark is None else task.asked.dark
+    row = np.array([end.pixel])
+    value = line.seen(bound.matrix, row).at(level)[0]
+    meets = value >= bound.upper * (1 - NEARLY) if end.kind == "upper" else value <= bound.lower * (1 + NEARLY)
+    columns = [task.system.interactions[k] for k in task.system.G[row].indices]
+    lights = (gamma(columns, task.painted(values)) @ bound.matrix[:, meets] > 0).any(axis=1)
+    symbols = {name for i, lit in zip(columns, lights, strict=True) if lit for name in (i.light, *i.met)}
+    why = reason(line, task.asked, end, level, task.system.width)
+    stopped = {name: why for name in sorted(free) if symbols & task.symbols[name]}
+    if not stopped:
+        raise ArithmeticError(f"pixel {end.pixel} binds at {level}, but no free scale lights it there")
+    return stopped
+
+
+def _tightened(bound: Bound, line: Along, rounds: int) -> Bound:
+    """Bounds moved inwards by what rounding may add in this and in all later rounds."""
+    error = (8 + 4 * rounds) * line.terms * ROUNDING
+    return replace(bound, lower=bound.lower * (1 + error), upper=bound.upper * (1 - error))

@@ -1,0 +1,144 @@
+"""Fit the scales of several materials, or lights, to a gamut at once: step 5 of the paper, its Figure 3.
+
+Limits found one material at a time depend on the order of the materials as soon as a mirror shows one in another.
+Filling does not: see `symrt.feedback.filling`.  The image that comes out is checked once more, pixel by pixel.
+"""
+
+import time
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.along import Along, along_ends
+from symrt.feedback.caps import above_one
+from symrt.feedback.filling import Task, darkest, lightest
+from symrt.feedback.intervals import inside_at
+from symrt.feedback.limits import Bound, Limits, limits
+from symrt.feedback.parameters import Scale, moved_ends
+from symrt.feedback.ranges import Range, checked_range, dark_share
+from symrt.feedback.reasons import Fit
+from symrt.gamut.slabs import Black, Gamut, device_gamut
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.system import LinearSystem
+
+__all__ = ["fit"]
+
+Pixels = Int[np.ndarray, " _"]
+Objective = Literal["lightest", "darkest"]
+
+
+def fit(  # noqa: PLR0913  # a public verb names its options
+    system: LinearSystem,
+    palette: Palette,
+    gamut: Gamut,
+    scales: Sequence[Scale],
+    *,
+    objective: Objective = "lightest",
+    within: Range = (0.01, 3.0),
+    black: Black | None = None,
+    allowed_dark: Number = 0.0,
+    reference: Reference | None = None,
+    cap: bool = True,
+) -> Fit:
+    """The lightest, or darkest, palette in a range of scales that keeps the image inside a gamut.
+
+    Parameters
+    ----------
+    scales
+        Of materials, components or lights; no two of the same spectrum.  Their order does not matter.
+    objective
+        ``"lightest"`` or ``"darkest"``.
+    within
+        The least and the largest scale.
+    black
+        What becomes of the dark, if other than the gamut says: see `Gamut`.
+    allowed_dark
+        Share of the pixels above black with the palette given that the darkest image may let fall below.
+    reference, cap
+        As for `feasible`.
+
+    Raises
+    ------
+    ValueError
+        If the scales overlap, or they, the palette, the gamut and the system do not fit together.
+
+    Examples
+    --------
+    Sea and ice stop at the print's white, each on its own:
+
+    >>> from scipy import sparse
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
+    >>> G = sparse.csr_array(np.diag([0.5, 0.25]))
+    >>> system = LinearSystem(G, columns, height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.8, "sea.diffuse": 0.2})
+    >>> found = fit(system, palette, device_gamut(device), [Scale("ice"), Scale("sea")], cap=False)
+    >>> {name: round(value, 9) for name, value in found.values.items()}
+    {'ice': 1.25, 'sea': 3.0}
+    """
+    start = time.perf_counter()
+    if objective not in ("lightest", "darkest"):
+        raise ValueError(f"objective = {objective!r}: there are 'lightest' and 'darkest'")
+    if black is not None:
+        gamut = device_gamut(gamut.device, gamut.model, black)
+    task = _task(system, palette, limits(system, palette, gamut, reference), scales, within, cap)
+    whole = task.line({}, frozenset(task.symbols))
+    if whole.signed:
+        raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
+    found = lightest(task)
+    if objective == "darkest":
+        found = darkest(task, found, allowed_dark)
+    fitted = task.painted(found.values)
+    objects = np.flatnonzero(system.object_pixels)
+    untouched = objects[~whole.touched[objects]]
+    bound = task.asked.upper
+    outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
+    final = along_ends(system, fitted, {})
+    _certify(final, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
+    if task.asked.dark is not None and found.lit is not None:
+        _certify(final, task.asked.dark, found.lit)
+    return Fit(
+        palette=fitted,
+        values=found.values,
+        reasons=found.reasons,
+        objective=objective,
+        within=task.within,
+        verdict="rest-only" if len(outside) + len(found.unfixable) else "complete",
+        untouched_outside=outside,
+        unfixable=found.unfixable,
+        dark=dark_share(final, task.asked, objects, 1.0),
+        objects=len(objects),
+        above_one=above_one(fitted),
+        note=task.asked.note,
+        width=system.width,
+        seconds=time.perf_counter() - start,
+    )
+
+
+def _task(
+    system: LinearSystem, palette: Palette, asked: Limits, scales: Sequence[Scale], within: Range, cap: bool
+) -> Task:
+    symbols = {scale.name: frozenset(moved_ends(system, palette, scale)) for scale in scales}
+    names = sorted(symbols)
+    for i, one in enumerate(names):
+        for other in names[i + 1 :]:
+            if both := symbols[one] & symbols[other]:
+                raise ValueError(
+                    f"scales of {one} and of {other} both multiply {min(both)}: give each spectrum one scale"
+                )
+    if not names:
+        raise ValueError("no scales to fit: give for example [Scale('sea'), Scale('brass')]")
+    return Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
+
+
+def _certify(final: Along, bound: Bound, pixels: Pixels) -> None:
+    """Every pixel is inside whatever its rounding."""
+    inside = inside_at(final.seen(bound.matrix, pixels), bound, 1.0, -1.0)
+    if not inside.all():
+        raise ArithmeticError(f"pixel {pixels[~inside][0]} could not be certified inside")
