@@ -40,16 +40,19 @@ class Along:
         ``"power"``: Σ t^k q_k.  ``"bernstein"``: Σ C(D, k) (1 − t)^(D−k) t^k b_k.
     parts
         For each k the part of G and of Γ whose product is q_k or b_k.
-    touched
-        Pixels that the parameter changes.
+    degrees
+        Of each pixel's own polynomial.
     terms
         The most numbers that are added or multiplied for one coefficient: what bounds its rounding.
+    signed
+        Whether some coefficient of G is negative, so that pixels need not be monotone.
     """
 
     form: Literal["power", "bernstein"]
     parts: tuple[tuple[sparse.csr_array, Gamma], ...]
-    touched: Bool[np.ndarray, " pixel"]
+    degrees: Int[np.ndarray, " pixel"]
     terms: int
+    signed: bool
 
     @property
     def degree(self) -> int:
@@ -57,9 +60,9 @@ class Along:
         return len(self.parts) - 1
 
     @property
-    def signed(self) -> bool:
-        """Whether some coefficient of G is negative, so that pixels need not be monotone."""
-        return any(bool((G.data < 0).any()) for G, _ in self.parts)
+    def touched(self) -> Bool[np.ndarray, " pixel"]:
+        """Pixels that the parameter changes."""
+        return self.degrees > 0
 
     def coefficients(self, rows: slice) -> Float[np.ndarray, "power pixel band"]:
         """The spectra q_k, or b_k, of some pixels."""
@@ -76,7 +79,7 @@ class Along:
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Int[np.ndarray, " row"]) -> "Along":
         """Some of the pixels, each spectrum times a matrix."""
         parts = tuple((G[rows], spectra @ matrix) for G, spectra in self.parts)
-        return replace(self, parts=parts, touched=self.touched[rows], terms=self.terms + len(matrix))
+        return replace(self, parts=parts, degrees=self.degrees[rows], terms=self.terms + len(matrix))
 
 
 def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along:
@@ -119,10 +122,11 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
     return Along(
         form="power" if power else "bernstein",
         parts=tuple((system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)),
-        touched=np.abs(system.G) @ changing.astype(float) > 0,
+        degrees=_degrees(system, np.where(changing, degrees, 0)),
         terms=int(np.diff(system.G.indptr).max(initial=0))
         + max((i.degree for i in system.interactions), default=0)
         + 8,
+        signed=bool((system.G.data < 0).any()),
     )
 
 
@@ -145,6 +149,15 @@ def _bernstein(product: Float[np.ndarray, "power band"], degree: int) -> Float[n
     for j, k in np.ndindex(len(product), more + 1):
         raised[j + k] += comb(more, k) * product[j]
     return raised / np.array([comb(degree, k) for k in range(degree + 1)])[:, None]
+
+
+def _degrees(system: LinearSystem, columns: Int[np.ndarray, " interaction"]) -> Int[np.ndarray, " pixel"]:
+    """The highest degree of the columns that each pixel has."""
+    pixel = np.repeat(np.arange(system.G.shape[0]), np.diff(system.G.indptr))
+    highest = np.zeros(system.G.shape[0], dtype=int)
+    for degree in range(1, int(columns.max(initial=0)) + 1):
+        highest[pixel[(columns[system.G.indices] == degree) & (system.G.data != 0)]] = degree
+    return highest
 
 
 def _check_settled(system: LinearSystem) -> None:

@@ -31,8 +31,8 @@ def intervals(line: Along, bound: Bound, within: tuple[Number, Number]) -> Spans
     Rows that no value keeps inside do not occur in the result.
     """
     tiles = []
-    for start in range(0, len(line.touched), TILE):
-        found = _tile(line, line.coefficients(slice(start, start + TILE)), bound, within)
+    for start in range(0, len(line.degrees), TILE):
+        found = _tile(line, slice(start, start + TILE), bound, within)
         tiles.append(found._replace(pixel=found.pixel + start))
     if not tiles:
         return Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
@@ -42,7 +42,7 @@ def intervals(line: Along, bound: Bound, within: tuple[Number, Number]) -> Spans
 def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
     """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
     lower, upper = _moved(bound.lower, bound.upper, -share * line.terms * ROUNDING, 0.0)
-    inside = np.empty(len(line.touched), dtype=bool)
+    inside = np.empty(len(line.degrees), dtype=bool)
     for start in range(0, len(inside), TILE):
         rows = slice(start, start + TILE)
         values = line.at(t, rows)
@@ -50,12 +50,31 @@ def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[
     return inside
 
 
-def _tile(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number]) -> Spans:
+def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number]) -> Spans:
+    c = line.coefficients(rows)
     error = 2 * line.terms * ROUNDING
     extra = error * float(np.abs(c).max(initial=0)) if line.signed else 0.0
-    if line.degree == 1:
+    curved = line.degrees[rows] > 1
+    if not curved.any():
         return _affine(line, c, bound, within, error, extra)
-    lower, upper = _moved(bound.lower, bound.upper, error, extra)
+    straight = _affine(line, c[:, ~curved], bound, within, error, extra)
+    bent = _curved(line, c[:, curved], _moved(bound.lower, bound.upper, error, extra), within)
+    pixel = np.concatenate([np.flatnonzero(~curved)[straight.pixel], np.flatnonzero(curved)[bent.pixel]])
+    order = np.argsort(pixel, kind="stable")
+    low, high = (np.concatenate([a, b])[order] for a, b in zip(straight[1:], bent[1:], strict=True))
+    return Spans(pixel[order], low, high)
+
+
+def _affine(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number], error: float, extra: float) -> Spans:
+    direction = c[1] if line.form == "power" else c[-1] - c[0]
+    if line.form == "bernstein":  # the difference is rounded
+        extra += 2 * ROUNDING * float(np.abs(direction).max(initial=0))
+    found = clip_slabs(*_moved(bound.lower, bound.upper, error, extra), c[0], direction)
+    return _within(found.low, found.high, within)
+
+
+def _curved(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: tuple[Number, Number]) -> Spans:
+    lower, upper = bounds
     if line.form == "bernstein":
         return spans_inside(c, lower, upper, within)
     if line.signed:
@@ -63,14 +82,6 @@ def _tile(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number]) -
         return Spans(found.pixel, found.low * within[1], found.high * within[1])
     low = lowest(c, lower, within[1]) if (lower > 0).any() else np.full(c.shape[1], float(within[0]))
     return _within(low, highest(c, upper, within[1]), within)
-
-
-def _affine(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number], error: float, extra: float) -> Spans:
-    direction = c[1] if line.form == "power" else c[1] - c[0]
-    if line.form == "bernstein":  # the difference is rounded
-        extra += 2 * ROUNDING * float(np.abs(direction).max(initial=0))
-    found = clip_slabs(*_moved(bound.lower, bound.upper, error, extra), c[0], direction)
-    return _within(found.low, found.high, within)
 
 
 def _within(
