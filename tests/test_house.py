@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -57,3 +58,15 @@ def test_constraints_are_versions_only():
     lines = [line for line in (HOME / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
     assert len(lines) > 50
     assert [line for line in lines if not re.fullmatch(r"[A-Za-z0-9_.-]+==[0-9][A-Za-z0-9.]*", line)] == []
+
+
+def test_constraints_pin_everything_that_is_asked_for():
+    project = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]
+    asked = [*project["dependencies"], *(line for extra in project["optional-dependencies"].values() for line in extra)]
+    names = {re.match(r"[A-Za-z0-9._-]+", line)[0] for line in asked} - {"symrt"}
+    pinned = {line.split("==")[0] for line in (HOME / "constraints.txt").read_text().splitlines()}
+    assert {canonical(name) for name in names} <= {canonical(name) for name in pinned}
+
+
+def canonical(name):
+    return re.sub(r"[-_.]+", "-", name).lower()

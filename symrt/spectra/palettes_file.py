@@ -77,6 +77,15 @@ def save_palettes(path: str | Path, palettes: Mapping[str, Palette]) -> None:
     ------
     ValueError
         If a name is not one, or the file holds something else too, which would be lost.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "own.toml"
+    ...     save_palettes(file, {"warm": load_palettes("first")["rgb"].replace(sun=[4.0, 3.0, 2.0])})
+    ...     load_palettes(file)["warm"]["sun"]
+    array([4., 3., 2.])
     """
     path = Path(path)
     if wrong := [name for name in palettes if not NAME.fullmatch(name)]:
