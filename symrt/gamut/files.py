@@ -1,9 +1,10 @@
 """Keep gamuts in files: one ``.npz`` of arrays, with names and numbers as JSON; nothing in it is executable.
 
 Beside a header the file holds the arrays ``lower``, ``upper`` and, if the luminance of black is kept, ``weights`` of
-the gamut, and ``samples``, ``amounts``, ``densities`` and ``extrapolated`` of its device.
+the gamut; ``samples``, ``amounts`` and ``extrapolated`` of its device; and those of its printer, if it has one.
 """
 
+import dataclasses
 import json
 import zipfile
 from pathlib import Path
@@ -11,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from symrt.gamut.inks import Device
+from symrt.gamut.device import Device, Printer
+from symrt.gamut.dyes import Dyes
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 
@@ -21,9 +23,10 @@ FORMAT = "symrt-gamut"
 VERSION = 1
 LARGEST_MEMBER = 1 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
-ARRAYS = ("samples", "amounts", "densities", "extrapolated")
+ARRAYS = ("samples", "amounts", "extrapolated")
 TEXTS = ("name", "title", "provenance")
-NUMBERS = ("most", "paper", "surface")
+OF_PRINTER = "printer_"
+PRINTERS: dict[str, type[Printer]] = {"dyes": Dyes}
 
 
 def save_gamut(path: str | Path, gamut: Gamut) -> None:
@@ -48,10 +51,15 @@ def save_gamut(path: str | Path, gamut: Gamut) -> None:
         "bands": [float(centre).hex() for centre in device.bands.centres],
         "kind": device.bands.kind,
         "modelled": device.modelled,
+        "inks": device.inks,
         **{name: getattr(device, name) for name in TEXTS},
-        **{name: float(getattr(device, name)).hex() for name in NUMBERS},
     }
     arrays = {name: getattr(device, name) for name in ARRAYS} | {"lower": gamut.lower, "upper": gamut.upper}
+    for kind, model in PRINTERS.items():
+        if isinstance(device.printer, model):
+            numbers, more = _parts(device.printer)
+            header |= {"printer": kind, "numbers": numbers, "printer_inks": device.printer.inks}
+            arrays |= more
     if gamut.weights is not None:
         arrays["weights"] = gamut.weights
     path = Path(path)
@@ -105,25 +113,39 @@ def _gamut(arrays: dict[str, np.ndarray], header: dict[str, Any]) -> Gamut:
     if (header["black"] == "luminance") != ("weights" in arrays):
         raise ValueError("weights of luminance belong to black='luminance' and to nothing else")
     device: dict[str, Any] = {name: arrays[name] for name in ARRAYS}
-    device |= {name: str(header[name]) for name in TEXTS}
-    device |= {name: float.fromhex(header[name]) for name in NUMBERS}
+    device |= {name: str(header[name]) for name in TEXTS} | {"inks": tuple(map(str, header["inks"]))}
+    printer = _printer(arrays, header, bands) if "printer" in header else None
     return Gamut(
         model=header["model"],
         black=header["black"],
-        device=Device(bands=bands, modelled=bool(header["modelled"]), **device),
+        device=Device(bands=bands, modelled=bool(header["modelled"]), printer=printer, **device),
         lower=arrays["lower"],
         upper=arrays["upper"],
         weights=arrays.get("weights"),
     )
 
 
+def _parts(printer: Any) -> tuple[dict[str, str], dict[str, np.ndarray]]:
+    """Numbers and arrays of a printer's record, but for bands and inks, which the header holds."""
+    values = {f.name: getattr(printer, f.name) for f in dataclasses.fields(printer) if f.name not in ("bands", "inks")}
+    arrays = {f"{OF_PRINTER}{name}": value for name, value in values.items() if isinstance(value, np.ndarray)}
+    return {name: float(value).hex() for name, value in values.items() if f"{OF_PRINTER}{name}" not in arrays}, arrays
+
+
+def _printer(arrays: dict[str, np.ndarray], header: dict[str, Any], bands: Bands) -> Printer:
+    values: dict[str, Any] = {name: float.fromhex(value) for name, value in header["numbers"].items()}
+    values |= {n.removeprefix(OF_PRINTER): array for n, array in arrays.items() if n.startswith(OF_PRINTER)}
+    model: Any = PRINTERS[header["printer"]]
+    return model(bands=bands, inks=tuple(map(str, header["printer_inks"])), **values)
+
+
 def _check_arrays(arrays: dict[str, np.ndarray], bands: int) -> None:
     for name, array in arrays.items():
         if array.dtype != (np.bool_ if name == "extrapolated" else np.float64) or not np.all(np.isfinite(array)):
             raise ValueError(f"{name} does not hold finite float64 numbers")
-    prints, dyes = arrays["amounts"].shape
+    prints = len(arrays["samples"])
     one_a_band = ("lower", "upper", "extrapolated", "weights")
-    shapes = {"samples": (prints, bands), "densities": (dyes, bands)} | dict.fromkeys(one_a_band, (bands,))
+    shapes = {"samples": (prints, bands)} | dict.fromkeys(one_a_band, (bands,))
     for name, shape in shapes.items():
         if name in arrays and arrays[name].shape != shape:
             raise ValueError(f"{name} is {arrays[name].shape}, not {shape}")

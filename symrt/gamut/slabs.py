@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
 from symrt.gamut.basis import Basis, uniform_first
-from symrt.gamut.inks import Device
+from symrt.gamut.device import Device
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights

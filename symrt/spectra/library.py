@@ -144,6 +144,34 @@ def _linear_srgb(nm: Float[np.ndarray, " n"], values: Float[np.ndarray, " n"]) -
     return np.asarray(colour.models.RGB_COLOURSPACE_sRGB.matrix_XYZ_to_RGB @ xyz)
 
 
+def observer() -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
+    """The CIE's standard observer of 1931 (2°): wavelengths, every nm, and the three colour matching functions.
+
+    Examples
+    --------
+    >>> nm, functions = observer()
+    >>> nm[functions[:, 1].argmax()].item()
+    555.0
+    """
+    cmfs = colour_science().MSDS_CMFS[OBSERVER]
+    return np.asarray(cmfs.wavelengths, float), np.asarray(cmfs.values, float)
+
+
+def colour_difference(
+    one: Float[np.ndarray, "n 3"], other: Float[np.ndarray, "n 3"]
+) -> Float[np.ndarray, " n"]:
+    """CIEDE2000 between colours in L*a*b*.
+
+    Examples
+    --------
+    The first pair of G. Sharma, W. Wu and E. N. Dalal, Color Research and Application 30(1), 2005:
+
+    >>> colour_difference(np.array([[50, 2.6772, -79.7751]]), np.array([[50, 0.0, -82.7485]])).round(4)
+    array([2.0425])
+    """
+    return np.asarray(colour_science().difference.delta_E_CIE2000(one, other), dtype=float)
+
+
 def colour_science() -> Any:  # colour puts an object without types in its module's place
     """The colour-science package, imported when first needed: it takes a second, and changes NumPy's print options."""
     with np.printoptions(), warnings.catch_warnings():

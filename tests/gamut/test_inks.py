@@ -1,4 +1,4 @@
-"""The dye model of MATHS §5 against 50-digit arithmetic, and its data against their own statement."""
+"""The law of Beer and Lambert against 50-digit arithmetic, and its data against their own statement."""
 
 import json
 from importlib import resources
@@ -35,7 +35,7 @@ def test_dyes_absorb_by_the_law_of_beer_and_lambert(name):
         for one, printed in zip(amounts, prints, strict=True):
             for band in range(36):
                 density = sum(
-                    mpmath.mpf(c) * mpmath.mpf(d) for c, d in zip(one, device.densities[:, band], strict=True)
+                    mpmath.mpf(c) * mpmath.mpf(d) for c, d in zip(one, device.printer.densities[:, band], strict=True)
                 )
                 exact = mpmath.mpf("0.004") + (mpmath.mpf("0.9") - mpmath.mpf("0.004")) * mpmath.mpf(10) ** -density
                 assert abs(printed[band] - exact) <= 4 * np.spacing(0.9)
@@ -51,7 +51,7 @@ def test_samples_are_the_grid_of_nine_amounts_of_each_dye():
     assert device.samples.shape == (729, 36)
     assert sorted({float(a) for a in device.amounts.ravel()}) == pytest.approx(np.linspace(0, 2.2, 9))
     np.testing.assert_array_equal(device.samples, reflectance(device, device.amounts))
-    assert np.all(device.densities.max(axis=1) == 1)
+    assert np.all(device.printer.densities.max(axis=1) == 1)
 
 
 def test_bands_where_a_dye_was_not_measured_are_flagged():
@@ -64,7 +64,7 @@ def test_bands_where_a_dye_was_not_measured_are_flagged():
 def test_the_default_device_holds_19_of_the_24_patches_in_its_envelope_and_24_scaled(colorchecker):
     device = load_device("dye3-endura-premier")
     inside = ((device.black <= colorchecker) & (colorchecker <= device.white)).all(axis=1)
-    # LIBRARIES, Data: 19 of 24, and scaling helps all 24.
+    # Measured when this device was chosen: 19 of 24, and scaling helps all 24.
     assert inside.sum() == 19
     low, high = (device.black / colorchecker).max(axis=1), (device.white / colorchecker).min(axis=1)
     assert np.all(low <= high)
@@ -72,14 +72,14 @@ def test_the_default_device_holds_19_of_the_24_patches_in_its_envelope_and_24_sc
 
 def test_crystal_archive_is_unfit_because_its_darkest_print_reflects_a_third_at_380_nm(colorchecker):
     device = load_device("dye3-crystal-archive")
-    # LIBRARIES, Data: 0.35 at 380 nm, none of the 24 patches.
+    # Measured when this device was chosen: 0.35 at 380 nm, none of the 24 patches.
     assert device.black[0] == pytest.approx(0.35, abs=0.005)
     assert not ((device.black <= colorchecker) & (colorchecker <= device.white)).all(axis=1).any()
 
 
 def test_first_component_of_three_dye_models_is_nearly_constant():
     cosines = [uniform_first(load_device(name).samples).cosine for name in devices()]
-    # MATHS §4: 0.89 to 0.94 on three-dye models.
+    # Measured when these devices were made: 0.89 to 0.94 on three-dye models.
     assert 0.885 < min(cosines) < max(cosines) < 0.945
 
 
@@ -99,7 +99,7 @@ def test_a_misspelt_device_gets_a_suggestion():
 
 @pytest.mark.parametrize("amount", [-0.1, 2.21, np.nan])
 def test_amounts_that_cannot_be_laid_down_are_refused(amount):
-    with pytest.raises(ValueError, match=r"print 0, dye 1: the amount .* not in \[0, 2.2\]"):
+    with pytest.raises(ValueError, match=r"print 0, magenta: the amount .* not in \[0, 2.2\]"):
         reflectance(load_device("dye3-endura-premier"), np.array([[0.0, amount, 1.0]]))
 
 

@@ -103,8 +103,10 @@ def test_saved_gamuts_come_back_bit_for_bit(device, tmp_path):
         assert (again.name, repr(again.device), again.bands) == (gamut.name, repr(device), gamut.bands)
         for name in ("lower", "upper", "weights"):
             np.testing.assert_array_equal(getattr(again, name), getattr(gamut, name))
-        for name in ("samples", "amounts", "densities", "extrapolated", "most", "paper", "surface", "provenance"):
+        for name in ("samples", "amounts", "inks", "extrapolated", "provenance"):
             np.testing.assert_array_equal(getattr(again.device, name), getattr(device, name))
+        for name in ("bands", "inks", "densities", "most", "paper", "surface"):
+            np.testing.assert_array_equal(getattr(again.device.printer, name), getattr(device.printer, name))
     assert [p.name for p in tmp_path.iterdir()] == ["gamut.npz"]
 
 
