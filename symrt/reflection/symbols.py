@@ -72,13 +72,9 @@ class Factor(Kind):
     rank = "3 factor"
 
     def _latex(self, _printer: Any) -> str:
-        stem, where = split_factor(self.name)
-        where = where.replace("_", r"\_")
-        if stem not in GEOMETRY:
-            stem = stem.replace("_", r"\_")
-            return rf"\mathit{{{stem}}}" + (rf"_{{{where}}}" if where else "")
-        first, second = GEOMETRY[stem]
-        return rf"({first} \cdot {second})" + (rf"_{{{where}}}" if where else "")
+        stem, where = (part.replace("_", r"\_") if part not in GEOMETRY else part for part in split_factor(self.name))
+        shown = r"({} \cdot {})".format(*GEOMETRY[stem]) if stem in GEOMETRY else rf"\mathit{{{stem}}}"
+        return shown + (rf"_{{\mathrm{{{where}}}}}" if where else "")
 
 
 class Parameter(Kind):
@@ -183,9 +179,9 @@ def checked_name(name: object) -> str:
 
 def split_factor(name: str) -> tuple[str, str]:
     """The factor and the place it belongs to: ``n_dot_l_sun_2`` is ``n_dot_l`` at ``sun_2``."""
-    for stem in GEOMETRY:
-        if name.startswith(stem):
-            return stem, name[len(stem) :].lstrip("_")
+    for stem in (*GEOMETRY, "visible", "irradiance", "weight"):
+        if name == stem or name.startswith(f"{stem}_"):
+            return stem, name[len(stem) + 1 :]
     return name, ""
 
 

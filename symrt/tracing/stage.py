@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
-from symrt.geometry.rays import clearance, translate
+from symrt.geometry.rays import clearance, encloses, translate
 from symrt.geometry.textures import load_texture
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import AmbientLight, DirectionalLight, Light, PointLight, moved, white
@@ -76,7 +76,15 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
 
 def _load(shape: object, scene: Scene) -> object:
-    return load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape
+    if not isinstance(shape, Mesh):
+        return shape
+    mesh = load_mesh(shape, scene.folder)
+    # The scene asked this of its other shapes when it was made; a mesh had to be read first.
+    if encloses(mesh, np.array(scene.camera.position)):
+        raise ValueError(
+            f"camera.position = {list(scene.camera.position)}: it is inside {shape.file}; move one of them"
+        )
+    return mesh
 
 
 def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:

@@ -191,3 +191,13 @@ def test_the_plan_names_what_calls_for_each_effect():
     assert "ball" in str(chosen)
     assert "ball" in chosen._repr_html_()
     assert SCENES.exists()
+
+
+def test_a_camera_inside_a_mesh_is_refused_when_the_mesh_is_read(tmp_path):
+    corners = [(x, y, z) for x in (-9, 9) for y in (-9, 9) for z in (-9, 9)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    lines = [*("v {} {} {}".format(*c) for c in corners), *("f {} {} {} {}".format(*f) for f in faces)]
+    (tmp_path / "box.obj").write_text("\n".join(lines))
+    scene = replace(two_materials(exponent=20), shapes=[rt.Mesh("box.obj", "dull")], folder=tmp_path)
+    with pytest.raises(ValueError, match=r"inside box\.obj"):
+        rt.trace(scene)
