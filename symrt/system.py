@@ -218,7 +218,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
         "height": system.height,
         "width": system.width,
         "interactions": [[i.light, list(i.met), [list(n) for n in i.nodes]] for i in system.interactions],
-        "tail": [[i.light, list(i.met), []] for i in tail.interactions],
+        "tail": None if system.tail is None else [[i.light, list(i.met), []] for i in tail.interactions],
         "white": {name: float(value).hex() for name, value in system.white.items()},
         "models": dict(system.models),
         "parameters": [[n.parameter, n.low.hex(), n.high.hex(), n.count, n.scale] for n in system.parameters.values()],
@@ -252,7 +252,7 @@ def load_system(path: str | Path) -> LinearSystem:
     arrays, header = _read(Path(path))
     try:
         interactions = _interactions(header["interactions"])
-        tail = _interactions(header["tail"])
+        tail = None if header["tail"] is None else _interactions(header["tail"])
         pixels = int(header["height"]) * int(header["width"])
         system = LinearSystem(
             G=_matrix(arrays, "G", pixels, len(interactions)),
@@ -265,7 +265,7 @@ def load_system(path: str | Path) -> LinearSystem:
                 name: Nodes(name, float.fromhex(low), float.fromhex(high), int(count), scale)
                 for name, low, high, count, scale in header["parameters"]
             },
-            tail=Tail(_matrix(arrays, "tail", pixels, len(tail)), tail) if tail else None,
+            tail=None if tail is None else Tail(_matrix(arrays, "tail", pixels, len(tail)), tail),
             seconds={str(k): float(v) for k, v in header["seconds"].items()},
         )
         _check_nodes(system)

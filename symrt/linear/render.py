@@ -6,10 +6,11 @@ order.
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Int
@@ -19,6 +20,7 @@ from tqdm.auto import tqdm
 from symrt.linear.collapse import run
 from symrt.linear.matrix import stack_rows
 from symrt.linear.program import Free, Program, Values, make_program
+from symrt.linear.resume import Tiles, open_tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem, Tail
 from symrt.tracing.stage import Alternatives, Stage, make_stage
@@ -40,6 +42,7 @@ def render(
     alternatives: Alternatives | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
+    save: str | Path | None = None,
     progress: bool = True,
 ) -> LinearSystem:
     """Trace a scene and collapse it, tile by tile.
@@ -54,6 +57,8 @@ def render(
         Any `concurrent.futures.Executor`; threads on this machine's processors if not given.
     workers
         Number of threads if no executor is given; the result does not depend on it.
+    save
+        A folder to keep finished tiles in: the same call goes on where an interrupted one stopped, to the same bits.
     progress
         Whether a bar is shown on standard error once a render has taken a second.
 
@@ -67,11 +72,11 @@ def render(
     stage = make_stage(scene, alternatives)
     program = make_program(stage.materials, values, free)
     windows = tiles(stage.camera.width, stage.camera.height, stage.camera.samples)
+    kept = None if save is None else open_tiles(save, stage, program)
     bar = tqdm(total=len(windows), desc="render", unit="tile", delay=1, leave=False, disable=not progress)
     with bar, threadpool_limits(1):
-        done = _each(windows, stage, program, executor, workers or _processors())
         parts = []
-        for part in done:
+        for part in _each(windows, partial(_tile, stage, program, kept), executor, workers or _processors()):
             parts.append(part)
             bar.update()
     system = _merge(stage, program, windows, parts)
@@ -96,9 +101,8 @@ def tiles(width: int, height: int, samples: int) -> list[Window]:
 
 
 def _each(
-    windows: list[Window], stage: Stage, program: Program, executor: Executor | None, workers: int
+    windows: list[Window], task: Callable[[Window], LinearSystem], executor: Executor | None, workers: int
 ) -> Iterator[LinearSystem]:
-    task = partial(_tile, stage, program)
     if executor is not None:
         yield from executor.map(task, windows)
     elif workers == 1:
@@ -108,11 +112,14 @@ def _each(
             yield from threads.map(task, windows)
 
 
-def _tile(stage: Stage, program: Program, window: Window) -> LinearSystem:
+def _tile(stage: Stage, program: Program, kept: Tiles | None, window: Window) -> LinearSystem:
+    if kept is not None and (finished := kept.finished(window)) is not None:
+        return finished
     tree = trace_window(stage, window)
     start = time.perf_counter()
     system = run(program, tree)
-    return replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
+    tile = replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
+    return tile if kept is None else kept.keep(window, tile)
 
 
 def _merge(stage: Stage, program: Program, windows: list[Window], parts: list[LinearSystem]) -> LinearSystem:
