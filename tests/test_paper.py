@@ -140,7 +140,7 @@ def test_4_shading_is_linear_in_every_material_that_is_met_once(system, palette)
 
 
 def test_4_a_specular_exponent_is_collapsed_and_not_free(scene):
-    # The paper: "the Phong model may be treated as linear in the diffuse and specular components, but not the specular exponent"
+    # The paper: "linear in the diffuse and specular components, but not the specular exponent"
     tree = rt.trace(scene)
     sharp, blunt = (rt.collapse(tree, values={"brass.exponent": s}) for s in (200, 5))
     assert sharp.interactions == blunt.interactions

@@ -93,7 +93,7 @@ def lightest(task: Task) -> Filled:
         capped = task.capped(values, free)
         level = max(level, min(float(limit.min(initial=high)), capped.value))
         stopped: Mapping[str, Reason] = {}
-        if len(limit) and limit.min() <= level:
+        if limit.min(initial=high) <= level < high:
             stopped = _stopped(task, values, free, line, End("upper", int(touched[limit.argmin()])), level)
         elif capped.value <= level < high:
             why = Reason("cap", band=capped.band, symbol=capped.symbol)
