@@ -1,9 +1,9 @@
 """Step 5: what the gamut says about the parameters."""
 
 from symrt.feedback.clipping import Interval, clip
-from symrt.feedback.mapping import Fit, fit
+from symrt.feedback.mapping import fit
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.ranges import feasible
-from symrt.feedback.reasons import Feasible, Reason
+from symrt.feedback.reasons import Feasible, Fit, Reason
 
 __all__ = ["Blend", "Exposure", "Feasible", "Fit", "Interval", "Reason", "Scale", "clip", "feasible", "fit"]

@@ -157,9 +157,7 @@ def observer() -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
     return np.asarray(cmfs.wavelengths, float), np.asarray(cmfs.values, float)
 
 
-def colour_difference(
-    one: Float[np.ndarray, "n 3"], other: Float[np.ndarray, "n 3"]
-) -> Float[np.ndarray, " n"]:
+def colour_difference(one: Float[np.ndarray, "n 3"], other: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """CIEDE2000 between colours in L*a*b*.
 
     Examples
