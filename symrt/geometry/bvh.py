@@ -31,7 +31,7 @@ class Tree:
     order
         The triangle in each slot of the leaves, −1 in slots left over.
     boxes
-        For each level the boxes of its nodes: low corner, then high corner; left-over nodes are nan, which no ray meets.
+        For each level its nodes' boxes: low corner, then high corner; left-over nodes are nan, which no ray meets.
     """
 
     order: Int[np.ndarray, " slot"]
