@@ -1,7 +1,7 @@
 """Where rays go: shapes, textures and the rays that meet them (step 1)."""
 
 from symrt.geometry.cylinder import Cylinder
-from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
+from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.planes import Disk, Plane, Rectangle
 from symrt.geometry.rays import (
     Crossing,
@@ -21,6 +21,7 @@ from symrt.geometry.rays import (
 )
 from symrt.geometry.sphere import Sphere
 from symrt.geometry.textures import BandedRelief, Checker, LabelImage, WeightImage, load_texture, weights
+from symrt.geometry.triangle_mesh import TriangleMesh
 
 __all__ = [
     "BandedRelief",

@@ -6,12 +6,13 @@ rounding, so the hierarchy only ever leaves out triangles that the ray cannot me
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerRay
-from symrt.geometry.rays import Rays
+from symrt.geometry.rays import ROUNDING, Rays
 
 __all__ = ["Tree", "build", "candidates"]
 
@@ -32,10 +33,13 @@ class Tree:
         The triangle in each slot of the leaves, −1 in slots left over.
     boxes
         For each level its nodes' boxes: low corner, then high corner; left-over nodes are nan, which no ray meets.
+    reach
+        Size of the largest coordinate.
     """
 
     order: Int[np.ndarray, " slot"]
     boxes: tuple[Float[np.ndarray, "2 3 _"], ...]
+    reach: float
 
 
 def build(corners: Float[np.ndarray, "3 3 face"]) -> Tree:
@@ -56,13 +60,14 @@ def build(corners: Float[np.ndarray, "3 3 face"]) -> Tree:
     box[1] = -np.inf
     box[0, :, :count], box[1, :, :count] = corners.min(axis=0), corners.max(axis=0)
     order = _sorted(box, count, 3 * depth)
-    box = _widened(box[:, :, order])
+    reach = float(np.abs(corners).max())
+    box = box[:, :, order]
     boxes = []
     for level in range(depth + 1):
         grouped = box.reshape(2, 3, WAYS**level, -1)
         joined = np.stack([grouped[0].min(axis=2), grouped[1].max(axis=2)])
         boxes.append(np.where(joined[0] <= joined[1], joined, np.nan))
-    return Tree(np.where(order < count, order, -1), tuple(boxes))
+    return Tree(np.where(order < count, order, -1), tuple(boxes), reach)
 
 
 def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[np.ndarray, " slot"]:
@@ -83,52 +88,56 @@ def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[
     return order
 
 
-def _widened(box: Float[np.ndarray, "2 3 slot"]) -> Float[np.ndarray, "2 3 slot"]:
-    """Boxes with room for the rounding of the slab test, in proportion to the whole."""
-    filled = np.isfinite(box[0])
-    room = 1e-12 * np.abs(box[:, filled[None].repeat(2, axis=0)[0]]).max(initial=0.0)
-    return np.stack([box[0] - room, box[1] + room])
-
-
-def candidates(tree: Tree, rays: Rays, limit: PerRay) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
-    """Pairs of a ray and a triangle that may meet at a distance from 0 to `limit`, sorted by ray.
+def candidates(
+    tree: Tree, rays: Rays, low: PerRay, high: PerRay
+) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
+    """Pairs of a ray and a triangle that may meet at a distance from `low` to `high`, sorted by ray.
 
     Examples
     --------
     >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
     >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
-    >>> candidates(build(corners), ray, np.array([np.inf]))
+    >>> candidates(build(corners), ray, np.array([0.0]), np.array([np.inf]))
     (array([0]), array([0]))
     """
     # A direction of 0 would make 0·∞ on a box's own face; a tiny one decides the same way without it.
-    slope = np.where(rays.direction == 0, 1e-290, rays.direction)
-    with np.errstate(over="ignore"):
-        inverse = 1 / slope
-        ray, node = np.arange(len(rays)), np.zeros(len(rays), int)
-        keep = _meets(tree.boxes[0], rays.origin, inverse, limit, ray, node)
+    inverse = 1 / np.where(rays.direction == 0, 1e-290, rays.direction)
+    # Boxes are widened by what rounding may move the ray aside in the triangle's own test.
+    room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
+    path = _Path(rays.origin + room, rays.origin - room, inverse, low, high)
+    ray, node = np.arange(len(rays)), np.zeros(len(rays), int)
+    keep = _meets(tree.boxes[0], path, ray, node)
+    ray, node = ray[keep], node[keep]
+    for box in tree.boxes[1:]:
+        ray = np.repeat(ray, WAYS)
+        node = (node[:, None] * WAYS + np.arange(WAYS)).ravel()
+        keep = _meets(box, path, ray, node)
         ray, node = ray[keep], node[keep]
-        for box in tree.boxes[1:]:
-            ray = np.repeat(ray, WAYS)
-            node = (node[:, None] * WAYS + np.arange(WAYS)).ravel()
-            keep = _meets(box, rays.origin, inverse, limit, ray, node)
-            ray, node = ray[keep], node[keep]
     triangle = tree.order[(node[:, None] * LEAF + np.arange(LEAF)).ravel()]
     filled = triangle >= 0
     return np.repeat(ray, LEAF)[filled], triangle[filled]
 
 
+class _Path(NamedTuple):
+    """Rays as the slab test needs them: origins for the low and for the high face, and the stretch that counts."""
+
+    for_low: Float[np.ndarray, "3 ray"]
+    for_high: Float[np.ndarray, "3 ray"]
+    inverse: Float[np.ndarray, "3 ray"]
+    low: Float[np.ndarray, " ray"]
+    high: Float[np.ndarray, " ray"]
+
+
 def _meets(
-    box: Float[np.ndarray, "2 3 node"],
-    origin: Float[np.ndarray, "3 ray"],
-    inverse: Float[np.ndarray, "3 ray"],
-    limit: PerRay,
-    ray: Int[np.ndarray, " pair"],
-    node: Int[np.ndarray, " pair"],
-) -> np.ndarray:
-    enter, leave = np.zeros(ray.size), limit[ray]
-    for axis in range(3):
-        start, scale = origin[axis, ray], inverse[axis, ray]
-        low, high = (box[0, axis, node] - start) * scale, (box[1, axis, node] - start) * scale
-        enter = np.maximum(enter, np.minimum(low, high))
-        leave = np.minimum(leave, np.maximum(low, high))
-    return enter <= leave * (1 + 1e-12)
+    box: Float[np.ndarray, "2 3 node"], path: _Path, ray: Int[np.ndarray, " pair"], node: Int[np.ndarray, " pair"]
+) -> Bool[np.ndarray, " pair"]:
+    """Whether the stretch of each ray meets the box of each node; a box of nan is met by none."""
+    enter, leave = path.low[ray], path.high[ray]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for axis in range(3):
+            scale = path.inverse[axis, ray]
+            to_low = (box[0, axis, node] - path.for_low[axis, ray]) * scale
+            to_high = (box[1, axis, node] - path.for_high[axis, ray]) * scale
+            enter = np.maximum(enter, np.minimum(to_low, to_high))
+            leave = np.minimum(leave, np.maximum(to_low, to_high))
+        return enter <= leave + 1e-12 * np.abs(leave)

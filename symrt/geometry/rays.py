@@ -71,8 +71,11 @@ class Rays:
         return self.origin.shape[1]
 
     def __getitem__(self, chosen: slice | np.ndarray) -> "Rays":
-        """The rays chosen by a slice, a mask or indices."""
-        return Rays(self.origin[:, chosen], self.direction[:, chosen])
+        """The rays chosen by a slice, a mask or indices; they have been checked."""
+        part = object.__new__(Rays)
+        object.__setattr__(part, "origin", self.origin[:, chosen])
+        object.__setattr__(part, "direction", self.direction[:, chosen])
+        return part
 
 
 @dataclass(frozen=True, eq=False)
