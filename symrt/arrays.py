@@ -131,6 +131,20 @@ def pair_product(a: Pair, b: Pair) -> Pair:
     return _renormalise(high, low + (a[0] * b[1] + a[1] * b[0]))
 
 
+def pair_quotient(a: Pair, b: Pair) -> np.ndarray:
+    """The quotient of two pairs, rounded to one float with little more than half an ulp of error.
+
+    Examples
+    --------
+    >>> pair_quotient(exact(np.array([1.0])), exact(np.array([3.0])))
+    array([0.33333333])
+    """
+    quotient = a[0] / b[0]
+    product, rest = two_product(quotient, b[0])
+    correction = (((a[0] - product) - rest) + (a[1] - quotient * b[1])) / b[0]
+    return np.where(np.isfinite(correction), quotient + correction, quotient)
+
+
 def pair_dot(a: Pair, b: Pair) -> Pair:
     """Inner products of vectors of pairs, to about 2⁻¹⁰² of Σ|aᵢbᵢ| [1]_.
 

@@ -124,14 +124,19 @@ def _open(side: Interval, slab: tuple[PerRay, PerRay, PerRay], low: float) -> tu
 
 
 def _possible(cylinder: Cylinder, rays: Rays) -> Bool[np.ndarray, " ray"]:
-    """Rays that may meet the ball around the cylinder, by plain arithmetic."""
-    base, top = column(cylinder.base), column(cylinder.top)
-    reach = float(np.hypot(float(length(top - base)[0]) / 2, cylinder.radius))
-    m = rays.origin - (base + top) / 2
-    d = rays.direction
-    x, y, z = m[1] * d[2] - m[2] * d[1], m[2] * d[0] - m[0] * d[2], m[0] * d[1] - m[1] * d[0]
-    room = 1.001 * reach + 32 * ROUNDING * (np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2]) + np.abs(base).sum())
-    return x * x + y * y + z * z <= room * room
+    """Rays that may meet the cylinder, by plain arithmetic: near its axis, and near its middle."""
+    axis, radius = _axis(cylinder)[0], float(cylinder.radius)
+    m, d = rays.origin - column(cylinder.base), rays.direction
+    height, size = float(length(axis)[0]), np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2])
+    x, y, z = (d[i] * axis[j] - d[j] * axis[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+    passing = np.abs(m[0] * x + m[1] * y + m[2] * z)
+    chosen = passing <= 1.001 * radius * np.sqrt(x * x + y * y + z * z) + 64 * ROUNDING * size * height
+    reach = 1.001 * float(np.hypot(height / 2, radius))
+    m = m[:, chosen] - axis / 2
+    d = d[:, chosen]
+    x, y, z = (m[i] * d[j] - m[j] * d[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+    chosen[chosen] = x * x + y * y + z * z <= (reach + 32 * ROUNDING * (size[chosen] + height)) ** 2
+    return chosen
 
 
 def _axis(cylinder: Cylinder) -> Pair:

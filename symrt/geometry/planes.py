@@ -14,7 +14,19 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross, pair_dot, two_sum
+from symrt.arrays import (
+    PerRay,
+    Point,
+    Vectors,
+    dot,
+    exact,
+    length,
+    normalise,
+    pair_cross,
+    pair_dot,
+    pair_quotient,
+    two_sum,
+)
 from symrt.geometry.rays import (
     ROUNDING,
     Crossing,
@@ -118,7 +130,7 @@ def intersect_plane(plane: Plane, rays: Rays, low: float = 0.0) -> Crossing:
     >>> intersect_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray).distance
     array([2.5])
     """
-    return _bounded(column(plane.point), column(plane.normal), rays, low, np.inf, lambda m: np.isfinite(m[0]))
+    return _bounded(column(plane.point), column(plane.normal), rays, low, np.inf, None)
 
 
 @intersect.register(Disk)
@@ -163,24 +175,39 @@ def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
     >>> plane_distance(np.zeros((3, 1)), np.array([[0.0], [1.0], [0.0]]), ray)
     array([2.5])
     """
+    if _is_axis(normal):
+        k = int(np.argmax(np.abs(normal)))
+        return (point[k] - rays.origin[k]) / rays.direction[k]
     offset = two_sum(rays.origin, -point)
-    height, slope = pair_dot(offset, exact(normal))[0], pair_dot(exact(rays.direction), exact(normal))[0]
-    return -height / slope
+    return -pair_quotient(pair_dot(offset, exact(normal)), pair_dot(exact(rays.direction), exact(normal)))
 
 
 def _bounded(
-    point: Column, normal: Column, rays: Rays, low: float, reach: float, inside: Callable[[Vectors], np.ndarray]
+    point: Column, normal: Column, rays: Rays, low: float, reach: float, inside: Callable[[Vectors], np.ndarray] | None
 ) -> Crossing:
     """Crossing with the part of a plane where `inside`, told the offset from `point`, holds: within `reach` of it."""
     distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
     with np.errstate(all="ignore"):
-        chosen = np.flatnonzero(_possible(point, normal, rays, reach))
-        part = rays[chosen]
-        found = plane_distance(point, normal, part)
-        met = (found > low) & (found < np.inf) & inside((part.origin - point) + found * part.direction)
-    distance[chosen[met]] = found[met]
-    primitive[chosen[met]] = 0
+        if _is_axis(normal):
+            found = plane_distance(point, normal, rays)
+            chosen = np.flatnonzero((found > low) & (found < np.inf))
+            found = found[chosen]
+        else:
+            chosen = np.flatnonzero(_possible(point, normal, rays, reach))
+            found = plane_distance(point, normal, rays[chosen])
+            ahead = (found > low) & (found < np.inf)
+            chosen, found = chosen[ahead], found[ahead]
+        if inside is not None:
+            met = inside((rays.origin[:, chosen] - point) + found * rays.direction[:, chosen])
+            chosen, found = chosen[met], found[met]
+    distance[chosen] = found
+    primitive[chosen] = 0
     return Crossing(distance, primitive)
+
+
+def _is_axis(normal: Column) -> bool:
+    """Whether the normal is along an axis: its dot products are single products, and need no care."""
+    return int(np.count_nonzero(normal)) == 1
 
 
 def _possible(point: Column, normal: Column, rays: Rays, reach: float) -> Bool[np.ndarray, " ray"]:

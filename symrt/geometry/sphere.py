@@ -1,8 +1,8 @@
 """Spheres (step 1): ``|origin + t direction − centre| = radius``.
 
 A far, small or grazed sphere defeats the textbook discriminant.  Here it comes from the cross product,
-``D = r²|d|² − |m × d|²`` with m = origin − centre [1]_, in pairs of floats for every ray that plain arithmetic cannot
-rule out, and in exact rationals where even the pair's sign is in doubt.
+``D = r²|d|² − |m × d|²`` with m = origin − centre [1]_: by plain arithmetic where that is enough, in pairs of floats
+near the rim and near the surface, and in exact rationals where even the pair's sign is in doubt.
 
 References
 ----------
@@ -95,40 +95,60 @@ def intersect_sphere(sphere: Sphere, rays: Rays, low: float = 0.0) -> Crossing:
     array([5.])
     """
     distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
-    with np.errstate(over="ignore", invalid="ignore"):
-        chosen = np.flatnonzero(_possible(sphere, rays))
-        enter, leave = _crossings(sphere, rays.origin[:, chosen], rays.direction[:, chosen])
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        m = rays.origin - column(sphere.centre)
+        square = _squared_across(m, rays.direction)
+        chosen = np.flatnonzero(square <= _room(sphere, m) ** 2)
+        enter, leave, sure = _plain(sphere, m[:, chosen], rays.direction[:, chosen], square[chosen])
+        hard = np.flatnonzero(~sure)
+        enter[hard], leave[hard] = _careful(sphere, rays[chosen[hard]])
         first = np.where(enter > low, enter, np.where(leave > low, leave, np.inf))
     distance[chosen] = first
     primitive[chosen[first < np.inf]] = 0
     return Crossing(distance, primitive)
 
 
-def _possible(sphere: Sphere, rays: Rays) -> Bool[np.ndarray, " ray"]:
-    """Rays that may meet the sphere: plain arithmetic with room for its rounding, 16u|m| in the cross product."""
-    m = rays.origin - column(sphere.centre)
-    d = rays.direction
+def _squared_across(m: Float[np.ndarray, "3 ray"], d: Float[np.ndarray, "3 ray"]) -> PerRay:
+    """``|m × d|²``, the squared distance of each line from the centre, by plain arithmetic."""
     x, y, z = m[1] * d[2] - m[2] * d[1], m[2] * d[0] - m[0] * d[2], m[0] * d[1] - m[1] * d[0]
-    room = sphere.radius * (1 + 1e-9) + 16 * ROUNDING * (np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2]))
-    return x * x + y * y + z * z <= room * room
+    return x * x + y * y + z * z
 
 
-def _crossings(
-    sphere: Sphere, origin: Float[np.ndarray, "3 ray"], direction: Float[np.ndarray, "3 ray"]
-) -> tuple[PerRay, PerRay]:
-    """Both crossings of each ray with the sphere, nan where it misses."""
-    m = two_sum(origin, -column(sphere.centre))
-    d = exact(direction)
+def _room(sphere: Sphere, m: Float[np.ndarray, "3 ray"]) -> PerRay:
+    """How far from the centre a line can pass, by plain arithmetic, and still meet the sphere."""
+    return sphere.radius * (1 + 1e-9) + 16 * ROUNDING * (np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2]))
+
+
+def _plain(
+    sphere: Sphere, m: Float[np.ndarray, "3 ray"], d: Float[np.ndarray, "3 ray"], square: PerRay
+) -> tuple[PerRay, PerRay, Bool[np.ndarray, " ray"]]:
+    """Both crossings by plain arithmetic, and where they are good: far from the rim, from a radius away or more."""
+    squared_radius = float(sphere.radius) ** 2
+    a, b, distance = dot(d, d), dot(m, d), dot(m, m)
+    sure = (square <= 0.75 * squared_radius) & (distance >= 4 * squared_radius)
+    q = -(b + np.copysign(np.sqrt(a * squared_radius - square), b))
+    larger, smaller = q / a, (distance - squared_radius) / q
+    return np.minimum(larger, smaller), np.maximum(larger, smaller), sure
+
+
+def _careful(sphere: Sphere, rays: Rays) -> tuple[PerRay, PerRay]:
+    """Both crossings in pairs of floats; nan where a ray misses, or leaves the sphere behind."""
+    m, d = two_sum(rays.origin, -column(sphere.centre)), exact(rays.direction)
     squared_radius = two_product(np.array([sphere.radius], float), np.array([sphere.radius], float))
-    a, b = pair_dot(d, d), pair_dot(m, d)[0]
     c = pair_sum(pair_dot(m, m), negative(squared_radius))[0]
+    enter, leave = np.full((2, len(rays)), np.nan)
+    # A ray that starts outside and goes outwards is done: this is every shadow ray of the sphere's own.
+    ahead = np.flatnonzero((c < 0) | ~(dot(m[0], rays.direction) > 1e-9 * np.abs(m[0]).max(axis=0, initial=0)))
+    m, d, c = (m[0][:, ahead], m[1][:, ahead]), exact(rays.direction[:, ahead]), c[ahead]
+    a, b = pair_dot(d, d), pair_dot(m, d)[0]
     root = np.sqrt(_discriminant(sphere, m, d, pair_product(a, squared_radius)))
 
     # Of the two roots of a t² + 2 b t + c the larger comes without cancellation, the other from their product c/a.
     q = -(b + np.copysign(root, b))
     larger = q / a[0]
     smaller = np.where(q == 0, 0.0, c / np.where(q == 0, 1.0, q))
-    return np.minimum(larger, smaller), np.maximum(larger, smaller)
+    enter[ahead], leave[ahead] = np.minimum(larger, smaller), np.maximum(larger, smaller)
+    return enter, leave
 
 
 def _discriminant(sphere: Sphere, m: Pair, d: Pair, reach: Pair) -> PerRay:
@@ -163,7 +183,8 @@ def surface_sphere(sphere: Sphere, rays: Rays, distance: PerRay, primitive: Int[
     array([[0.5, 0.5]])
     """
     centre, radius = column(sphere.centre), float(sphere.radius)
-    normal = normalise((rays.origin - centre) + distance * rays.direction)
+    offset = ((rays.origin - centre) + distance * rays.direction) / radius
+    normal = offset / np.sqrt(dot(offset, offset))
     point = centre + radius * normal
     error = 8 * ROUNDING * (np.abs(point).max(axis=0, initial=0) + np.abs(centre).max() + radius)
     extent = np.broadcast_to([[2 * np.pi * radius], [np.pi * radius]], (2, len(rays))).copy()

@@ -1,0 +1,270 @@
+"""Triangle meshes (step 1): which triangle a ray meets first, and what the surface is like there."""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.arrays import PerRay, Point, dot, exact, pair_dot, two_sum
+from symrt.geometry import bvh, embree, triangles
+from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+
+__all__ = ["TriangleMesh"]
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """Triangles ready to be met by rays.
+
+    Parameters
+    ----------
+    vertices
+        Corner points, one a column.
+    faces
+        Indices of each triangle's corners, counter-clockwise seen from outside.
+    materials
+        Names, chosen for each face by `face_material`.
+    face_material
+        Index into `materials`, one a face; all 0 by default.
+    normals
+        Normals at the vertices, interpolated for shading; flat shading without.
+    uv
+        Texture coordinates of the vertices, v down from the top; zeros without.
+
+    Raises
+    ------
+    ValueError
+        If there is no triangle, a vertex is not finite, or an index is out of range.
+
+    Notes
+    -----
+    Degenerate triangles (three points on a line) stay in the arrays, so that indices keep their meaning, and are
+    never met.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",)).unit_normals.T
+    array([[0., 0., 1.]])
+    """
+
+    vertices: Float[np.ndarray, "3 vertex"]
+    faces: Int[np.ndarray, "3 face"]
+    materials: tuple[str, ...]
+    face_material: Int[np.ndarray, " face"] | None = None
+    normals: Float[np.ndarray, "3 vertex"] | None = None
+    uv: Float[np.ndarray, "2 vertex"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.faces.size == 0:
+            raise ValueError("it has no triangles; give a mesh with at least one face")
+        _all_finite("vertex", self.vertices)
+        _in_range("face", self.faces, self.vertices.shape[1])
+        if self.face_material is not None:
+            _in_range("face_material", self.face_material[None], len(self.materials))
+        for name, values in (("normal", self.normals), ("texture coordinate", self.uv)):
+            if values is not None:
+                _all_finite(name, values)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The record without what was computed from it, which need not travel to another process."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    @cached_property
+    def corners(self) -> Float[np.ndarray, "3 3 face"]:
+        """Corner, axis, face."""
+        return np.ascontiguousarray(self.vertices[:, self.faces].transpose(1, 0, 2))
+
+    @cached_property
+    def unit_normals(self) -> Float[np.ndarray, "3 face"]:
+        """Geometric unit normals; zero for a degenerate triangle."""
+        return triangles.unit_normals(self.corners)
+
+    @cached_property
+    def tree(self) -> bvh.Tree:
+        """The hierarchy over the triangles."""
+        return bvh.build(self.corners)
+
+    @cached_property
+    def thickened(self) -> embree.Thickened | None:
+        """The mesh in Embree, where that is installed and worth it."""
+        return embree.thicken(self.vertices, self.faces)
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether every edge, by the positions of its ends, is run through as often one way as the other."""
+        _, same = np.unique(self.vertices, axis=1, return_inverse=True)
+        faces = same.reshape(-1)[self.faces].astype(np.int64)
+        start, end = faces.ravel(), faces[[1, 2, 0]].ravel()
+        count = self.vertices.shape[1]
+        return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
+
+
+@intersect.register(TriangleMesh)
+def intersect_mesh(mesh: TriangleMesh, rays: Rays, low: float = 0.0) -> Crossing:
+    """Nearest crossing with a mesh beyond `low`; of two at the same distance the lower triangle.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
+    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> intersect_mesh(one, ray)
+    Crossing(distance=array([3.]), primitive=array([0], dtype=int32))
+    """
+    with np.errstate(all="ignore"):
+        if mesh.thickened is None:
+            return _nearest_between(mesh, rays, np.full(len(rays), low), np.full(len(rays), np.inf))
+        return _with_embree(mesh, mesh.thickened, rays, low)
+
+
+def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, low: float) -> Crossing:
+    """What Embree sees first, met again in double precision; rays that it may misjudge go to the hierarchy."""
+    found = Crossing(np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32))
+    step = 2.0**-12 * thickened.radius
+    chosen, enter = _through_ball(thickened, rays, low)
+
+    # Near its start, where a ray may leave this very surface, single precision is of no use.
+    close = enter <= low
+    near = chosen[close]
+    _record(found, near, _nearest_between(mesh, rays[near], np.full(near.size, low), np.full(near.size, low + step)))
+    start = np.where(close, low + step, enter)
+    left = found.primitive[chosen] < 0
+    chosen, start = chosen[left], start[left]
+
+    seen = embree.first_seen(thickened, rays[chosen], start)
+    chosen, seen = chosen[seen != embree.NOTHING], seen[seen != embree.NOTHING]
+    part = rays[chosen]
+    depth = np.full(chosen.size, np.inf)
+    named = np.flatnonzero(seen >= 0)
+    depth[named] = triangles.crossings(mesh.corners, mesh.unit_normals, part, named, seen[named])
+    sure = (depth > low) & (depth < np.inf)
+    # Looking back from a step behind shows another surface that single precision may have put on the wrong side.
+    sure[sure] = embree.first_seen(thickened, part[sure], depth[sure] + step, backwards=True) == seen[sure]
+    _record(found, chosen[sure], Crossing(depth[sure], seen[sure]))
+    count = int(np.sum(~sure))
+    _record(found, chosen[~sure], _nearest_between(mesh, part[~sure], np.full(count, low), np.full(count, np.inf)))
+    return found
+
+
+def _record(found: Crossing, chosen: Int[np.ndarray, " part"], part: Crossing) -> None:
+    """Write the crossings of chosen rays among those of all."""
+    found.distance[chosen], found.primitive[chosen] = part.distance, part.primitive
+
+
+def _through_ball(
+    thickened: embree.Thickened, rays: Rays, low: float
+) -> tuple[Int[np.ndarray, " part"], Float[np.ndarray, " part"]]:
+    """Rays that pass through a ball a little larger than the mesh, and where they enter it."""
+    m = rays.origin - thickened.centre
+    b = dot(m, rays.direction)
+    reach = 1.001 * thickened.radius + 16 * ROUNDING * np.abs(m).max(axis=0, initial=0)
+    square = reach * reach - (dot(m, m) - b * b)
+    # The plain square loses the distance of a far ray; such rays all go on.
+    far = np.abs(b) > 1e4 * reach
+    root = np.sqrt(np.where(far, reach * reach, np.maximum(square, 0.0)))
+    chosen = np.flatnonzero(((square >= 0) | far) & (root - b >= low))
+    return chosen, np.maximum(-b - root, low)[chosen]
+
+
+def _nearest_between(mesh: TriangleMesh, rays: Rays, low: PerRay, high: PerRay) -> Crossing:
+    """Nearest crossing beyond `low` and up to `high`, by the hierarchy."""
+    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
+    ray, triangle = bvh.candidates(mesh.tree, rays, low, high)
+    found = triangles.crossings(mesh.corners, mesh.unit_normals, rays, ray, triangle)
+    met = (found > low[ray]) & (found <= high[ray]) & (found < np.inf)
+    ray, triangle, found = ray[met], triangle[met], found[met]
+    order = np.lexsort((triangle, found, ray))
+    ray, triangle, found = ray[order], triangle[order], found[order]
+    first = np.flatnonzero(np.diff(ray, prepend=-1))
+    distance[ray[first]], primitive[ray[first]] = found[first], triangle[first]
+    return Crossing(distance, primitive)
+
+
+@surface.register(TriangleMesh)
+def surface_mesh(mesh: TriangleMesh, rays: Rays, distance: PerRay, primitive: Int[np.ndarray, " ray"]) -> Surface:
+    """Surface of a mesh where rays meet it: face normal, interpolated shading normal and texture coordinates.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
+    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> surface_mesh(one, ray, np.array([3.0]), np.zeros(1, np.int32)).point.T
+    array([[0.2, 0.2, 0. ]])
+    """
+    normal, corner = mesh.unit_normals[:, primitive], mesh.corners[:, :, primitive]
+    point = rays.origin + distance * rays.direction
+    height = pair_dot(two_sum(point, -corner[0]), exact(normal))[0]
+    point = point - height * normal
+    weights = triangles.barycentric(corner, normal, point)
+    shading = (
+        normal
+        if mesh.normals is None
+        else triangles.blended_normal(mesh.normals[:, mesh.faces[:, primitive]], weights, normal)
+    )
+    uv = np.zeros((2, len(rays)))
+    if mesh.uv is not None:
+        uv = sum(mesh.uv[:, mesh.faces[k, primitive]] * weights[k] for k in range(3))
+    error = 8 * ROUNDING * (np.abs(point).sum(axis=0) + np.abs(corner).max(axis=0).sum(axis=0))
+    return Surface(point, normal, shading, uv, np.ones((2, len(rays))), error)
+
+
+@translate.register(TriangleMesh)
+def translate_mesh(mesh: TriangleMesh, by: Point) -> TriangleMesh:
+    """The mesh moved `by` a vector; its hierarchy is built anew, so move a scene once, not once a tile.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
+    >>> translate_mesh(one, np.array([0.0, 0.0, 5.0])).vertices[2].tolist()
+    [5.0, 5.0, 5.0]
+    """
+    return replace(mesh, vertices=mesh.vertices + by.reshape(3, 1))
+
+
+@encloses.register(TriangleMesh)
+def encloses_mesh(mesh: TriangleMesh, point: Point) -> bool:
+    """Whether `point` is inside a mesh: its triangles wind around the point (solid angle above 2π).
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
+    >>> encloses_mesh(one, np.array([0.2, 0.2, -0.1]))
+    False
+    """
+    return mesh.is_closed and abs(triangles.solid_angle(mesh.corners, point)) > 2 * np.pi
+
+
+@clearance.register(TriangleMesh)
+def clearance_mesh(mesh: TriangleMesh, point: Point) -> float:
+    """Lower bound of the distance from `point` to the mesh: that to the finest boxes around its triangles.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
+    >>> clearance_mesh(one, np.array([0.2, 0.2, 3.0]))
+    3.0
+    """
+    low, high = mesh.corners.min(axis=0), mesh.corners.max(axis=0)
+    outside = np.maximum(np.maximum(low - point.reshape(3, 1), point.reshape(3, 1) - high), 0.0)
+    return float(np.sqrt(dot(outside, outside)).min())
+
+
+def _all_finite(name: str, values: Float[np.ndarray, "_ _"]) -> None:
+    good = np.isfinite(values).all(axis=0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise ValueError(f"{name} {bad} is {values[:, bad].tolist()}: coordinates must be finite; repair the mesh")
+
+
+def _in_range(name: str, values: Int[np.ndarray, "_ _"], count: int) -> None:
+    good = ((values >= 0) & (values < count)).all(axis=0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise ValueError(f"{name} {bad} is {values[:, bad].tolist()}: indices must be from 0 to {count - 1}")
