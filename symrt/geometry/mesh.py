@@ -10,7 +10,7 @@ import numpy as np
 from symrt.geometry.rays import Triple, finite, positive
 from symrt.geometry.triangle_mesh import TriangleMesh
 
-__all__ = ["Mesh", "load_mesh"]
+__all__ = ["Mesh", "TriangleMesh", "load_mesh"]
 
 
 @dataclass(frozen=True)

@@ -316,8 +316,9 @@ def _rectangle_normal(rectangle: Rectangle) -> Column:
 
 def _rectangle_coordinates(rectangle: Rectangle, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
     """Shares of the two edges in an offset from the centre, from −½ to ½ inside."""
-    u, v = column(rectangle.edge_u), column(rectangle.edge_v)
-    return np.stack([dot(offset, u) / dot(u, u), dot(offset, v) / dot(v, v)])
+    u, v, normal = column(rectangle.edge_u), column(rectangle.edge_v), _rectangle_normal(rectangle)
+    for_u, for_v = np.cross(v, normal, axis=0), np.cross(normal, u, axis=0)
+    return np.stack([dot(offset, for_u) / dot(u, for_u), dot(offset, for_v) / dot(v, for_v)])
 
 
 @translate.register(Plane)

@@ -58,11 +58,6 @@ class LabelImage:
 
     Each point takes the pixel it lies in, without filtering.  The file is a grey or palette PNG without transparency.
 
-    Parameters
-    ----------
-    labels
-        The picture once `load_texture` has read it.
-
     Examples
     --------
     >>> LabelImage(name="map", file="map.png", materials=("sea", "land")).type
@@ -77,10 +72,10 @@ class LabelImage:
 
 @dataclass(frozen=True)
 class WeightImage:
-    """A picture whose channels are the weights of `materials`, in order, divided by their sum and filtered bilinearly.
+    """A picture whose channels are the weights of `materials`, in order, divided by their sum.
 
-    The file is a PNG of one channel for each material.  A grey picture also serves two materials: black is the first,
-    white the second.
+    Each point takes the pixel it lies in.  The file is a PNG of one channel for each material, 8 bits deep or, if grey,
+    16.  A grey picture also serves two materials: black is the first, white the second.
 
     Examples
     --------
@@ -189,33 +184,27 @@ def weights_labels(texture: LabelRaster, uv: UV, extent: UV) -> Weights:  # noqa
     array([[1., 0., 1.],
            [0., 1., 0.]])
     """
-    rows, columns = texture.labels.shape
-    row = np.floor(uv[1] * rows).astype(np.int64) % rows
-    column = np.floor(uv[0] * columns).astype(np.int64) % columns
-    return (texture.labels[row, column] == np.arange(len(texture.materials))[:, None]).astype(float)
+    label = texture.labels[_pixel(texture.labels.shape, uv)]
+    return (label == np.arange(len(texture.materials))[:, None]).astype(float)
 
 
 @weights.register(WeightRaster)
 def weights_shares(texture: WeightRaster, uv: UV, extent: UV) -> Weights:  # noqa: ARG001
-    """Weights between the four nearest pixels' centres.
+    """The weights of the pixel at each point.
 
     Examples
     --------
-    >>> fade = WeightRaster("fade", ("a", "b"), np.array([[[1.0, 0.0]], [[0.0, 1.0]]]))
-    >>> weights_shares(fade, np.array([[0.25, 0.5], [0.5, 0.5]]), np.ones((2, 2)))
-    array([[1. , 0.5],
-           [0. , 0.5]])
+    >>> rust = WeightRaster("rust", ("a", "b"), np.array([[[1.0, 0.25]], [[0.0, 0.75]]]))
+    >>> weights_shares(rust, np.array([[0.25, 0.75], [0.5, 0.5]]), np.ones((2, 2)))
+    array([[1.  , 0.25],
+           [0.  , 0.75]])
     """
-    rows, columns = texture.shares.shape[1:]
-    y, x = uv[1] * rows - 0.5, uv[0] * columns - 0.5
-    top, left = np.floor(y), np.floor(x)
-    blended = np.zeros((len(texture.materials), uv.shape[1]))
-    for row, down in ((top, 1 - (y - top)), (top + 1, y - top)):
-        for column, right in ((left, 1 - (x - left)), (left + 1, x - left)):
-            blended += texture.shares[:, row.astype(np.int64) % rows, column.astype(np.int64) % columns] * (
-                down * right
-            )
-    return _shares(blended)
+    return texture.shares[:, *_pixel(texture.shares.shape[1:], uv)]
+
+
+def _pixel(size: tuple[int, ...], uv: UV) -> tuple[Int[np.ndarray, " hit"], Int[np.ndarray, " hit"]]:
+    """Row and column of the pixel at each point, of a picture that repeats beyond its edges."""
+    return np.floor(uv[1] * size[0]).astype(np.int64) % size[0], np.floor(uv[0] * size[1]).astype(np.int64) % size[1]
 
 
 @weights.register(BandedRelief)
@@ -306,7 +295,9 @@ def _picture(folder: Path, texture: LabelImage | WeightImage) -> Shaped[np.ndarr
             image = Image.open(folder / texture.file, formats=["PNG"])
         with image:
             _check_size(image)
-            return np.asarray(image)
+            pixels = np.asarray(image)
+            # Older releases of Pillow hold 16 bits of grey in 32.
+            return pixels.astype(np.uint16) if image.mode == "I" else pixels
     except FileNotFoundError as error:
         raise ValueError(f"texture {texture.name}: {texture.file}: there is no such file") from error
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
@@ -316,6 +307,8 @@ def _picture(folder: Path, texture: LabelImage | WeightImage) -> Shaped[np.ndarr
 def _check_size(image: Image.Image) -> None:
     if image.width * image.height > LARGEST_PICTURE:
         raise ValueError(f"it has {image.width} × {image.height} pixels, and at most {LARGEST_PICTURE} are read")
+    if ";16" in str(image.tile[0][3]) and image.mode in {"RGB", "RGBA", "LA"}:
+        raise ValueError("its channels have 16 bits, which are read from grey pictures only; save it with 8")
 
 
 def _labels(texture: LabelImage, pixels: Shaped[np.ndarray, "row column *channel"]) -> Int[np.ndarray, "row column"]:
@@ -348,12 +341,4 @@ def _pixel_shares(
     if not np.all(sums > 0):
         row, column = np.unravel_index(int(np.argmin(sums)), sums.shape)
         raise ValueError(f"{where}: pixel ({column}, {row}) gives no material any weight; weights need a positive sum")
-    return _shares(np.moveaxis(levels, 2, 0))
-
-
-def _shares(values: Float[np.ndarray, "material *point"]) -> Float[np.ndarray, "material *point"]:
-    """Weights divided by their sum, which is taken material by material and so never depends on the batch."""
-    total = values[0]
-    for value in values[1:]:
-        total = total + value
-    return values / total
+    return np.moveaxis(levels / sums[:, :, None], 2, 0)

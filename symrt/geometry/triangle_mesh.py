@@ -31,7 +31,8 @@ class TriangleMesh:
     normals
         Normals at the vertices, interpolated for shading; flat shading without.
     uv
-        Texture coordinates of the vertices, v down from the top; zeros without.
+        Texture coordinates of the vertices, v down from the top; without them each triangle's own: its second corner
+        is at (1, 0) and its third at (0, 1).
 
     Raises
     ------
@@ -205,9 +206,10 @@ def surface_mesh(mesh: TriangleMesh, rays: Rays, distance: PerRay, primitive: In
         if mesh.normals is None
         else triangles.blended_normal(mesh.normals[:, mesh.faces[:, primitive]], weights, normal)
     )
-    uv = np.zeros((2, len(rays)))
+    uv = weights[1:]
     if mesh.uv is not None:
-        uv = sum(mesh.uv[:, mesh.faces[k, primitive]] * weights[k] for k in range(3))
+        at = mesh.uv[:, mesh.faces[:, primitive]]
+        uv = at[:, 0] * weights[0] + at[:, 1] * weights[1] + at[:, 2] * weights[2]
     error = 8 * ROUNDING * (np.abs(point).sum(axis=0) + np.abs(corner).max(axis=0).sum(axis=0))
     return Surface(point, normal, shading, uv, np.ones((2, len(rays))), error)
 
@@ -242,18 +244,16 @@ def encloses_mesh(mesh: TriangleMesh, point: Point) -> bool:
 
 @clearance.register(TriangleMesh)
 def clearance_mesh(mesh: TriangleMesh, point: Point) -> float:
-    """Lower bound of the distance from `point` to the mesh: that to the finest boxes around its triangles.
+    """Distance from `point` to the nearest triangle.
 
     Examples
     --------
     >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
     >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
-    >>> clearance_mesh(one, np.array([0.2, 0.2, 3.0]))
-    3.0
+    >>> clearance_mesh(one, np.array([0.2, 0.2, 3.0])), clearance_mesh(one, np.array([-3.0, 0.0, 4.0]))
+    (3.0, 5.0)
     """
-    low, high = mesh.corners.min(axis=0), mesh.corners.max(axis=0)
-    outside = np.maximum(np.maximum(low - point.reshape(3, 1), point.reshape(3, 1) - high), 0.0)
-    return float(np.sqrt(dot(outside, outside)).min())
+    return triangles.distance_to(mesh.corners, mesh.unit_normals, point)
 
 
 def _all_finite(name: str, values: Float[np.ndarray, "_ _"]) -> None:

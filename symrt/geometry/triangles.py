@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from symrt.arrays import Point, dot, exact, normalise, pair_cross, pair_dot, two_sum
 from symrt.geometry.rays import Rays
 
-__all__ = ["barycentric", "blended_normal", "crossings", "solid_angle", "unit_normals"]
+__all__ = ["barycentric", "blended_normal", "crossings", "distance_to", "solid_angle", "unit_normals"]
 
 Corners = Float[np.ndarray, "3 3 face"]
 """Corner, axis, face."""
@@ -152,3 +152,26 @@ def solid_angle(corners: Corners, point: Point) -> float:
     volume = dot(a, np.cross(b, c, axis=0))
     angle = 2 * np.arctan2(volume, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
     return float(angle.sum())
+
+
+def distance_to(corners: Corners, normals: Float[np.ndarray, "3 face"], point: Point) -> float:
+    """Distance from `point` to the nearest of the triangles.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
+    >>> distance_to(corners, unit_normals(corners), np.array([0.5, -2.0, 0.0]))
+    2.0
+    """
+    spokes = corners - point.reshape(3, 1)
+    above = np.any(normals != 0, axis=0)
+    nearest = []
+    for start, end in zip(spokes, spokes[[1, 2, 0]], strict=True):
+        edge = end - start
+        size = dot(edge, edge)
+        share = np.clip(-dot(start, edge) / np.where(size > 0, size, 1.0), 0.0, 1.0)
+        foot = start + share * edge
+        nearest.append(dot(foot, foot))
+        above &= dot(np.cross(edge, normals, axis=0), start) >= 0
+    height = np.where(above, np.abs(dot(spokes[0], normals)), np.inf)
+    return float(np.minimum(height, np.sqrt(np.minimum.reduce(nearest))).min())
