@@ -74,8 +74,8 @@ class LabelImage:
 class WeightImage:
     """A picture whose channels are the weights of `materials`, in order, divided by their sum.
 
-    Each point takes the pixel it lies in.  The file is a PNG of one channel for each material, 8 bits deep or, if grey,
-    16.  A grey picture also serves two materials: black is the first, white the second.
+    Between the pixels' centres the weights are blended bilinearly.  The file is a PNG of one channel for each material,
+    8 bits deep or, if grey, 16.  A grey picture also serves two materials: black is the first, white the second.
 
     Examples
     --------
@@ -184,27 +184,32 @@ def weights_labels(texture: LabelRaster, uv: UV, extent: UV) -> Weights:  # noqa
     array([[1., 0., 1.],
            [0., 1., 0.]])
     """
-    label = texture.labels[_pixel(texture.labels.shape, uv)]
+    rows, columns = texture.labels.shape
+    label = texture.labels[
+        np.floor(uv[1] * rows).astype(np.int64) % rows, np.floor(uv[0] * columns).astype(np.int64) % columns
+    ]
     return (label == np.arange(len(texture.materials))[:, None]).astype(float)
 
 
 @weights.register(WeightRaster)
 def weights_shares(texture: WeightRaster, uv: UV, extent: UV) -> Weights:  # noqa: ARG001
-    """The weights of the pixel at each point.
+    """Weights between the four nearest pixels' centres.
 
     Examples
     --------
-    >>> rust = WeightRaster("rust", ("a", "b"), np.array([[[1.0, 0.25]], [[0.0, 0.75]]]))
-    >>> weights_shares(rust, np.array([[0.25, 0.75], [0.5, 0.5]]), np.ones((2, 2)))
-    array([[1.  , 0.25],
-           [0.  , 0.75]])
+    >>> fade = WeightRaster("fade", ("a", "b"), np.array([[[1.0, 0.0]], [[0.0, 1.0]]]))
+    >>> weights_shares(fade, np.array([[0.25, 0.5], [0.5, 0.5]]), np.ones((2, 2)))
+    array([[1. , 0.5],
+           [0. , 0.5]])
     """
-    return texture.shares[:, *_pixel(texture.shares.shape[1:], uv)]
-
-
-def _pixel(size: tuple[int, ...], uv: UV) -> tuple[Int[np.ndarray, " hit"], Int[np.ndarray, " hit"]]:
-    """Row and column of the pixel at each point, of a picture that repeats beyond its edges."""
-    return np.floor(uv[1] * size[0]).astype(np.int64) % size[0], np.floor(uv[0] * size[1]).astype(np.int64) % size[1]
+    rows, columns = texture.shares.shape[1:]
+    y, x = uv[1] * rows - 0.5, uv[0] * columns - 0.5
+    top, left = np.floor(y), np.floor(x)
+    down, right = y - top, x - left
+    i, j = top.astype(np.int64), left.astype(np.int64)
+    corners = [texture.shares[:, (i + a) % rows, (j + b) % columns] for a, b in ((0, 0), (0, 1), (1, 0), (1, 1))]
+    upper, lower = corners[0] * (1 - right) + corners[1] * right, corners[2] * (1 - right) + corners[3] * right
+    return upper * (1 - down) + lower * down
 
 
 @weights.register(BandedRelief)
@@ -307,7 +312,7 @@ def _picture(folder: Path, texture: LabelImage | WeightImage) -> Shaped[np.ndarr
 def _check_size(image: Image.Image) -> None:
     if image.width * image.height > LARGEST_PICTURE:
         raise ValueError(f"it has {image.width} × {image.height} pixels, and at most {LARGEST_PICTURE} are read")
-    if ";16" in str(image.tile[0][3]) and image.mode in {"RGB", "RGBA", "LA"}:
+    if ";16" in str(getattr(image, "tile", "")) and image.mode in {"RGB", "RGBA", "LA"}:
         raise ValueError("its channels have 16 bits, which are read from grey pictures only; save it with 8")
 
 

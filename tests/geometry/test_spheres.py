@@ -12,7 +12,7 @@ RAYS = 50
 
 
 def check(generator, draws, aim, most=10):
-    """Hit or miss as in exact arithmetic, and distances within `most` ulp, for rays that `aim` draws at a unit sphere."""
+    """Hit or miss as in exact arithmetic, distances within `most` ulp, for rays that `aim` draws at a unit sphere."""
     worst = hits = 0
     for _ in range(draws // RAYS):
         radius = float(10 ** generator.uniform(-3, 3))
