@@ -5,5 +5,19 @@ from symrt.feedback.mapping import fit
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.feedback.regions import split, with_region
 
-__all__ = ["Blend", "Exposure", "Feasible", "Fit", "Interval", "Reason", "Scale", "clip", "feasible", "fit"]
+__all__ = [
+    "Blend",
+    "Exposure",
+    "Feasible",
+    "Fit",
+    "Interval",
+    "Reason",
+    "Scale",
+    "clip",
+    "feasible",
+    "fit",
+    "split",
+    "with_region",
+]

@@ -1,0 +1,98 @@
+"""Give a region of the picture symbols of its own, so that parameters can vary over the picture (step 5).
+
+The paper wants gamut mapping that varies spatially; a region is a mask over pixels, and a material seen there becomes
+another material with the same geometry.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool
+from scipy import sparse
+
+from symrt.errors import NAME
+from symrt.feedback.parameters import material_of
+from symrt.spectra.palette import Palette, did_you_mean
+from symrt.system import Interaction, LinearSystem, Tail
+
+__all__ = ["split", "with_region"]
+
+Mask = Bool[np.ndarray, "height width"]
+Named = tuple[Interaction, ...]
+
+
+def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearSystem:
+    """The same image, in which `material` is called `name` wherever the mask is true.
+
+    What a mirror shows belongs to the pixel that it is seen in.
+
+    Raises
+    ------
+    ValueError
+        If the material does not occur, the new name is taken or is no name, or the mask has another size.
+
+    Examples
+    --------
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.5], [0.25]]), (column,), height=1, width=2, white={"sun": 1.0})
+    >>> parted = split(system, "sea", np.array([[False, True]]), "bay")
+    >>> [str(interaction) for interaction in parted.interactions], parted.G.toarray().tolist()
+    (['sun*bay.diffuse', 'sun*sea.diffuse'], [[0.0, 0.5], [0.25, 0.0]])
+    """
+    known = {material_of(symbol) for symbol in system.reflectances}
+    if material not in known:
+        raise ValueError(f"no material {did_you_mean([material], known)}; there are: {', '.join(sorted(known))}")
+    if NAME.fullmatch(name) is None or name in known or name in system.lights:
+        raise ValueError(f"{name!r}: a region needs a name of its own: a letter, then letters, digits, underscores")
+    if mask.shape != (system.height, system.width):
+        raise ValueError(f"the mask is {mask.shape}, the image {(system.height, system.width)}: one value a pixel")
+    matrix, interactions = _parted(system.G, system.interactions, material, mask.ravel(), name)
+    tail = system.tail and Tail(*_parted(system.tail.bound, system.tail.interactions, material, mask.ravel(), name))
+    models = dict(system.models)
+    if material in models:
+        models[name] = models[material]
+    return replace(system, G=matrix, interactions=interactions, tail=tail, models=models)
+
+
+def with_region(palette: Palette, material: str, name: str) -> Palette:
+    """The palette in which the region starts with the spectra of the material that it was split from.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> with_region(Palette(RGB, {"sun": 1, "sea.diffuse": [0.1, 0.2, 0.3]}), "sea", "bay")["bay.diffuse"]
+    array([0.1, 0.2, 0.3])
+    """
+    own = {s: palette[s] for s in palette.reflectances if material_of(s) == material}
+    if not own:
+        known = sorted({material_of(s) for s in palette.reflectances})
+        raise ValueError(f"the palette has no material {did_you_mean([material], known)}")
+    return palette.add({f"{name}{symbol[len(material) :]}": spectrum for symbol, spectrum in own.items()})
+
+
+def _parted(
+    matrix: sparse.csr_array, interactions: Named, material: str, inside: Bool[np.ndarray, " pixel"], name: str
+) -> tuple[sparse.csr_array, Named]:
+    """Rows inside the mask move to renamed columns; columns stay sorted, and empty ones go."""
+    renamed = [_renamed(interaction, material, name) for interaction in interactions]
+    columns = sorted({*interactions, *renamed})
+    place = {interaction: j for j, interaction in enumerate(columns)}
+    outside_to = np.array([place[i] for i in interactions], dtype=np.int64)
+    inside_to = np.array([place[i] for i in renamed], dtype=np.int64)
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    column = np.where(inside[row], inside_to[matrix.indices], outside_to[matrix.indices])
+    whole = sparse.coo_array((matrix.data, (row, column)), shape=(matrix.shape[0], len(columns))).tocsr()
+    used = np.flatnonzero(np.bincount(column, minlength=len(columns)))
+    return whole[:, used], tuple(columns[j] for j in used)
+
+
+def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
+    return replace(
+        interaction,
+        met=tuple(sorted(name + s[len(material) :] if _is_seen(s, material) else s for s in interaction.met)),
+    )
+
+
+def _is_seen(symbol: str, material: str) -> bool:
+    """Whether a symbol is of a point of the material: ``sea.diffuse`` and ``sea>ice.diffuse`` are of the sea's."""
+    return symbol.startswith((f"{material}.", f"{material}>"))
