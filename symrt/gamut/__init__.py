@@ -1,7 +1,10 @@
 """Step 4: a device's spectral basis and gamut."""
 
 from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.device import Printer
 from symrt.gamut.files import load_gamut, save_gamut
+from symrt.gamut.fitting import HalftoneFit, fit_halftone
+from symrt.gamut.halftone import Halftone
 from symrt.gamut.inks import Device, devices, load_device, reflectance
 from symrt.gamut.slabs import Gamut, device_gamut
 
@@ -9,8 +12,12 @@ __all__ = [
     "Basis",
     "Device",
     "Gamut",
+    "Halftone",
+    "HalftoneFit",
+    "Printer",
     "device_gamut",
     "devices",
+    "fit_halftone",
     "load_device",
     "load_gamut",
     "reflectance",

@@ -14,6 +14,7 @@ import numpy as np
 
 from symrt.gamut.device import Device, Printer
 from symrt.gamut.dyes import Dyes
+from symrt.gamut.halftone import Halftone
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 
@@ -26,7 +27,7 @@ LARGEST_MEMBER = 1 << 30
 ARRAYS = ("samples", "amounts", "extrapolated")
 TEXTS = ("name", "title", "provenance")
 OF_PRINTER = "printer_"
-PRINTERS: dict[str, type[Printer]] = {"dyes": Dyes}
+PRINTERS: dict[str, type[Printer]] = {"dyes": Dyes, "halftone": Halftone}
 
 
 def save_gamut(path: str | Path, gamut: Gamut) -> None:

@@ -6,6 +6,7 @@ from symrt.errors import shown
 from symrt.gamut.charts import load_chart
 from symrt.gamut.device import Device, reflectance
 from symrt.gamut.dyes import dye_device, dye_devices
+from symrt.gamut.halftone import synthetic_device, synthetic_devices
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import did_you_mean
 
@@ -17,10 +18,10 @@ def devices() -> tuple[str, ...]:
 
     Examples
     --------
-    >>> "dye3-endura-premier" in devices()
+    >>> {"dye3-endura-premier", "synthetic-cmyk"} <= set(devices())
     True
     """
-    return dye_devices()
+    return (*dye_devices(), *synthetic_devices())
 
 
 def load_device(name: str | Path, bands: Bands | None = None) -> Device:
@@ -49,6 +50,8 @@ def load_device(name: str | Path, bands: Bands | None = None) -> Device:
     """
     if name in dye_devices():
         return dye_device(str(name), bands)
+    if name in synthetic_devices():
+        return synthetic_device(str(name), bands)
     if isinstance(name, Path) or Path(name).suffix or len(Path(name).parts) > 1:
         chart = load_chart(name)
         return chart.on(bands) if bands else chart

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from symrt.gamut.basis import uniform_first
-from symrt.gamut.inks import devices, load_device, reflectance
+from symrt.gamut.dyes import dye_devices
+from symrt.gamut.inks import load_device, reflectance
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.library import spectrum
 
@@ -26,7 +27,7 @@ def colorchecker():
     return np.array([spectrum(f"macbeth/{name}", bands, reflectance=True) for name in COLORCHECKER])
 
 
-@pytest.mark.parametrize("name", devices())
+@pytest.mark.parametrize("name", dye_devices())
 def test_dyes_absorb_by_the_law_of_beer_and_lambert(name):
     device = load_device(name)
     amounts = np.random.default_rng(0).uniform(0, 2.2, (4, 3))
@@ -42,7 +43,7 @@ def test_dyes_absorb_by_the_law_of_beer_and_lambert(name):
 
 
 def test_the_bare_paper_is_exact():
-    for name in devices():
+    for name in dye_devices():
         assert np.all(load_device(name).samples[0] == 0.9)
 
 
@@ -78,7 +79,7 @@ def test_crystal_archive_is_unfit_because_its_darkest_print_reflects_a_third_at_
 
 
 def test_first_component_of_three_dye_models_is_nearly_constant():
-    cosines = [uniform_first(load_device(name).samples).cosine for name in devices()]
+    cosines = [uniform_first(load_device(name).samples).cosine for name in dye_devices()]
     # Measured when these devices were made: 0.89 to 0.94 on three-dye models.
     assert 0.885 < min(cosines) < max(cosines) < 0.945
 
@@ -104,7 +105,7 @@ def test_amounts_that_cannot_be_laid_down_are_refused(amount):
 
 
 def test_the_device_says_that_it_is_modelled_and_is_not_the_papers_printer():
-    for name in devices():
+    for name in dye_devices():
         device = load_device(name)
         assert device.modelled
         assert device.title.startswith("dye-sublimation-like, modelled from")
