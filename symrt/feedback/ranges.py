@@ -98,10 +98,9 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     image = _image(line, asked, np.flatnonzero(system.object_pixels), within, now)
     budget = int(allowed_out * len(image.objects) + 1e-9) - len(image.outside) - len(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
-    capped = UNLIMITED
-    if cap and not isinstance(parameter, Blend):
-        capped = physical_cap(palette, moved_ends(system, palette, parameter).keys())
-        constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
+    symbols = moved_ends(system, palette, parameter).keys()
+    capped = physical_cap(palette, symbols) if cap and not isinstance(parameter, Blend) else UNLIMITED
+    constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
 
     def why(end: End, t: float) -> Reason:
@@ -118,7 +117,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         unfixable=image.unfixable,
         dark=image.dark,
         objects=len(image.objects),
-        above_one=above_one(moved(system, palette, parameter, found[-1].high)) if found else (),
+        above_one=above_one(moved(system, palette, parameter, found[-1].high), symbols) if found else (),
         curve=curve(image.spans, image.always, len(image.objects)),
         note=asked.note,
         width=system.width,
