@@ -28,7 +28,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["Range", "checked_range", "dark_share", "feasible", "reason"]
+__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "reason"]
 
 Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
@@ -90,8 +90,8 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     within = checked_range(parameter, within)
-    _check_share(allowed_out, "allowed_out")
-    _check_share(allowed_dark, "allowed_dark")
+    check_share(allowed_out, "allowed_out")
+    check_share(allowed_dark, "allowed_dark")
     asked = limits(system, palette, gamut, reference)
     line = along(system, palette, parameter)
     now = 0.0 if isinstance(parameter, Blend) else 1.0
@@ -236,6 +236,7 @@ def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, fl
     return float(low), float(high)
 
 
-def _check_share(value: Number, name: str) -> None:
+def check_share(value: Number, name: str) -> None:
+    """Refuse what is no share of pixels."""
     if not 0 <= value <= 1:
         raise ValueError(f"{name} = {value}: it is a share of pixels, from 0 to 1; for 5 % give 0.05")
