@@ -1,1 +1,13 @@
-"""Looking and playing: plots and pages."""
+"""Looking and playing: plots, the demo, and what the command line's words stand for."""
+
+from importlib import import_module
+from typing import Any
+
+__all__ = ["plots"]
+
+
+def __getattr__(name: str) -> Any:
+    # Matplotlib is slow to import, and most of this room does without.
+    if name == "plots":
+        return import_module("symrt.explore.plots")
+    raise AttributeError(f"symrt.explore has no {name!r}; it has {', '.join(__all__)}")

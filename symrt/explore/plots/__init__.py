@@ -1,0 +1,11 @@
+"""Figures: the gamut with its segments (Figure 1 of the paper), feasible ranges with their reasons, and more.
+
+Every function returns a matplotlib ``Figure`` and touches none of matplotlib's global state: save it, or let a notebook
+show it.  Matplotlib is imported nowhere else.
+"""
+
+from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
+from symrt.explore.plots.gamut import gamut_figure, solids_figure
+from symrt.explore.plots.style import png
+
+__all__ = ["curve_figure", "gamut_figure", "out_of_gamut_map", "png", "ranges_figure", "solids_figure"]

@@ -1,0 +1,178 @@
+"""What a gamut says about an image: feasible ranges and why, pixels outside, shares (step 5 of the paper)."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, UInt8
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from symrt.arrays import Spectrum
+from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, caption, headline, wrapped
+from symrt.feedback.along import along
+from symrt.feedback.limits import Limits, limits
+from symrt.feedback.reasons import Feasible
+from symrt.gamut.slabs import Gamut
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.spectra.shading import preview, shade
+from symrt.system import LinearSystem
+
+__all__ = ["curve_figure", "out_of_gamut_map", "ranges_figure"]
+
+REST = "#8fcfb9"
+"""The same green, paler: feasible for the rest of the image only."""
+PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+ROW = 0.62
+"""Height of one parameter's row in inches."""
+
+
+def ranges_figure(
+    ranges: Sequence[Feasible],
+    system: LinearSystem,
+    palette: Palette,
+    gamut: Gamut,
+    reference: Reference | None = None,
+) -> Figure:
+    """Feasible ranges as bars, and beside each the spectrum of the pixel that stops it, against the gamut's bound."""
+    asked = limits(system, palette, gamut, reference)
+    height = ROW * len(ranges) + 2.1
+    figure = Figure(figsize=(12.0, height), facecolor="white")
+    headline(figure, f"Feasible ranges: {gamut.name}")
+    foot, body = 1.35 / height, ROW * len(ranges) / height
+    bars = figure.add_axes((0.17, foot, 0.36, body))
+    _draw_bars(bars, ranges)
+    for row, found in enumerate(ranges):
+        top = foot + body * (1 - row / len(ranges))
+        axes = figure.add_axes((0.56, top - 0.9 * body / len(ranges), 0.13, 0.8 * body / len(ranges)))
+        _draw_reason(figure, axes, found, _binding(found, asked, system, palette), asked)
+    text = (
+        "Bars: values that keep the picture inside (pale: that keep the rest of it inside). Curves: reflectance of the "
+        f"pixel that stops the range at its upper end, in the gamut's bounds (shaded). {asked.note}."
+    )
+    caption(figure, wrapped(text, 175))
+    return figure
+
+
+def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
+    rows = np.arange(len(ranges))
+    low, high = min(found.within[0] for found in ranges), max(found.within[1] for found in ranges)
+    left = max(low, 0.01)
+    for row, found in zip(rows, ranges, strict=True):
+        first, last = max(found.within[0], left), found.within[1]
+        axes.plot([first, last], [row, row], color=HAIR, lw=1.0, zorder=1)
+        for a, b in found.intervals:
+            colour = FEASIBLE if found.verdict == "complete" else REST
+            axes.barh(row, b - max(a, left), left=max(a, left), height=0.5, color=colour, zorder=2)
+        value = f"{found.intervals[-1][1]:.3g}" if found.intervals else "none"
+        place: dict[str, Any] = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "bbox": PLATE}
+        axes.annotate(value, (found.high or first, row), fontsize=8.5, color=INK, zorder=4, **place)
+    axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=3)
+    axes.set(xscale="log", xlim=(left, 1.35 * high), ylim=(len(ranges) - 0.5, -0.5))
+    axes.set_yticks(rows, [str(found.parameter) for found in ranges], fontsize=9)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.tick_params(axis="y", length=0)
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.set_xlabel("value of the parameter (dashed: 1)", fontsize=9)
+
+
+def _binding(found: Feasible, asked: Limits, system: LinearSystem, palette: Palette) -> Spectrum | None:
+    """Reflectance of the pixel that stops the range above, in the bands that the reference lights, if one does."""
+    reason = found.reasons[-1][1] if found.reasons else None
+    if reason is None or reason.x is None or reason.y is None:
+        return None
+    pixel = np.array([reason.y * found.width + reason.x])
+    line = along(system, palette, found.parameter).seen(asked.upper.matrix, pixel)
+    return line.at(found.intervals[-1][1])[0]
+
+
+def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum | None, asked: Limits) -> None:
+    """The spectrum that stops the range, small, and the reason in words."""
+    box = axes.get_position()
+    reason = found.reasons[-1][1] if found.reasons else None
+    left_out = len(found.untouched_outside) + len(found.unfixable)
+    words = wrapped("no value keeps it inside" if reason is None else str(reason), 56)
+    more = found.verdict + (f", {left_out} of {found.objects} pixels left out" if left_out else "")
+    text: dict[str, Any] = {
+        "x": box.x1 + 0.012,
+        "y": (box.y0 + box.y1) / 2,
+        "va": "center",
+        "fontsize": 8,
+        "linespacing": 1.3,
+    }
+    figure.text(s=f"{words}\n{more}", color=INK, **text)
+    axes.set_axis_off()
+    if spectrum is None or reason is None:
+        return
+    x = np.array(asked.bands.centres)[asked.upper.bands]
+    axes.fill_between(x, asked.upper.upper, color="#e9edf2", lw=0)
+    axes.plot(x, spectrum, color=INK, lw=1.1)
+    if reason.band is not None:
+        k = int(np.flatnonzero(asked.upper.bands == asked.bands.labels.index(reason.band))[0])
+        axes.plot(x[k], spectrum[k], marker="o", ms=4, color=ABOVE)
+    axes.set(xlim=(x[0] - 6, x[-1] + 6), ylim=(0, 1.08 * max(asked.upper.upper.max(), spectrum.max())))
+
+
+def out_of_gamut_map(
+    system: LinearSystem, palette: Palette, gamut: Gamut, reference: Reference | None = None
+) -> Figure:
+    """The picture in grey, with the pixels that are outside the gamut, and those darker than its black, in colour."""
+    asked = limits(system, palette, gamut, reference)
+    exposure = reference.exposure if reference else 1.0
+    bright, dark = _outside(system, palette, asked)
+    picture = _grey(preview(system, palette, exposure))
+    for mask, colour in ((bright, ABOVE), (dark, BELOW)):
+        picture[mask] = 0.35 * picture[mask] + 0.65 * np.array(to_rgb(colour))
+    shape = system.width / system.height
+    figure = Figure(figsize=(7.2, 6.9 / shape + 1.3), facecolor="white")
+    axes = figure.add_axes((0.02, 0.75 / figure.get_figheight(), 0.96, 1 - 1.3 / figure.get_figheight()))
+    axes.imshow(picture, interpolation="nearest")
+    axes.set_axis_off()
+    headline(figure, "Pixels outside the gamut")
+    objects = max(1, int(system.object_pixels.sum()))
+    labels = [
+        f"{name}: {mask.sum() / objects:.2%}" for name, mask in (("outside", bright), ("darker than black", dark))
+    ]
+    handles = [Patch(color=colour, label=label) for colour, label in zip((ABOVE, BELOW), labels, strict=True)]
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.99, 0.995), ncols=2, frameon=False, fontsize=9)
+    caption(figure, wrapped(f"Shares of object pixels. {asked.note}.", 100))
+    return figure
+
+
+def curve_figure(found: Feasible) -> Figure:
+    """The share of pixels outside the gamut against the value of a parameter, and the range that keeps it allowed."""
+    figure = Figure(figsize=(8.0, 4.6), facecolor="white")
+    axes = figure.add_axes((0.1, 0.27, 0.86, 0.6))
+    low, high = found.within
+    inner = found.curve.values[(found.curve.values > low) & (found.curve.values < high)]
+    # On both sides of each step, so that the drawn line has its corners where the steps are.
+    t = np.unique(np.concatenate([[low], inner, np.nextafter(inner, high), np.linspace(low, high, 64), [high]]))
+    axes.plot(t, 100 * found.curve.outside(t), color=INK, lw=1.4)
+    for a, b in found.intervals:
+        axes.axvspan(a, b, color=FEASIBLE, alpha=0.18, lw=0)
+    axes.set(xlim=(low, high), xlabel=str(found.parameter), ylabel="object pixels outside, %")
+    axes.set_ylim(bottom=0)
+    axes.spines[["top", "right"]].set_visible(False)
+    headline(figure, f"How much is outside: {found.parameter}")
+    caption(figure, wrapped(f"Shaded: feasible ({found.verdict}). {found.note}.", 115))
+    return figure
+
+
+def _outside(
+    system: LinearSystem, palette: Palette, asked: Limits
+) -> tuple[Bool[np.ndarray, "height width"], Bool[np.ndarray, "height width"]]:
+    """Pixels beyond an upper bound, and those within that are darker than the device's black."""
+    image = shade(system, palette).values
+    bright = (image @ asked.upper.matrix > asked.upper.upper).any(axis=-1)
+    lit = system.object_pixels.reshape(bright.shape)
+    return bright & lit, (image @ asked.luminance < asked.blackest) & lit & ~bright
+
+
+def _grey(codes: UInt8[np.ndarray, "height width 3"]) -> Float[np.ndarray, "height width 3"]:
+    grey = codes.astype(float).mean(axis=-1, keepdims=True) / 255
+    return np.repeat(0.25 + 0.75 * grey, 3, axis=-1)

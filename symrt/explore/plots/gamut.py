@@ -1,0 +1,291 @@
+"""The gamut and the segments of materials in it: Figure 1 of the paper.
+
+The body is the gamut's shadow, so that nothing inside is ever drawn outside it; what is inside was decided in every
+band, whatever three components are drawn.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from symrt.explore.plots.style import GREY, HAIR, INK, NAME, caption, headline, wrapped
+from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
+from symrt.explore.solid import Facet, View, facets, facing, outline, spread
+from symrt.gamut.slabs import Gamut
+from symrt.gamut.views import Polyhedron
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+
+__all__ = ["gamut_figure", "solids_figure"]
+
+BODY, BODY_LIT = np.array([0.74, 0.79, 0.87]), np.array([0.965, 0.975, 0.99])
+WIDE = 1.42
+"""Half the width of a panel, of the body's: room for names at either side."""
+TALL = 1.2
+"""Height of a panel, of the body's, at least."""
+STEPS = 32
+"""Pieces that a segment is drawn in, each in its own colour."""
+LEADER: dict[str, Any] = {"arrowstyle": "-", "color": HAIR, "lw": 0.6, "shrinkA": 2, "shrinkB": 3}
+GIVEN: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "mec": INK, "mew": 0.9}
+"""How the reflectance that the palette gives is marked."""
+
+Points = Float[np.ndarray, "point 2"]
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Paper:
+    """From spectra to positions on paper: three coordinates, then a view of them."""
+
+    view: View
+    vectors: Float[np.ndarray, "3 band"]
+
+    def __call__(self, spectra: Float[np.ndarray, "point band"]) -> Points:
+        """Where spectra are drawn."""
+        return self.view.project(spectra @ self.vectors.T)
+
+
+def gamut_figure(
+    gamut: Gamut,
+    palette: Palette,
+    materials: Sequence[str] | None = None,
+    *,
+    light: str | None = None,
+    within: tuple[Number, Number] = (0.01, 3.0),
+    exposure: Number = 1.0,
+) -> Figure:
+    """The gamut's shadow in three components, with segments of scaled and of blended materials: the paper's Figure 1.
+
+    Parameters
+    ----------
+    palette
+        Gives each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
+    materials
+        Which ones; all that have a diffuse reflectance if not given.
+    light
+        The reference light, which colours are seen under; the palette's first if not given.
+    within
+        The scales looked at.
+
+    Examples
+    --------
+    >>> from symrt.gamut import device_gamut, load_device
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> palette = Palette(gamut.bands, {"sun": "illuminant/D65", "sea.diffuse": "macbeth/blue sky"})
+    >>> gamut_figure(gamut, palette).get_suptitle()
+    'Spectral gamut, 3 of 36 components: envelope of dye3-endura-premier, black clipped'
+    """
+    materials = list(diffuse_materials(palette) if materials is None else materials)
+    light = palette.lights[0] if light is None else light
+    scaled = scale_segments(gamut, palette, materials, palette[light], within, exposure)
+    blended = blend_segments(gamut, palette, materials, palette[light], exposure)
+    figure = Figure(figsize=(12.0, 7.2), facecolor="white")
+    headline(figure, _title(gamut))
+    paper, solid = Paper(View(), gamut.basis.vectors[:3]), gamut.shadow(3).polyhedron()
+    left, right = (_panel(figure, gamut, solid, paper, side) for side in (0, 1))
+    for axes, segments, width in ((left, scaled, 3.4), (right, blended, 2.0)):
+        # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
+        for order, segment in enumerate(sorted(segments, key=lambda one: -_length(one, paper))):
+            _draw_segment(axes, segment, paper, width, 4 + order / 1000)
+    given = [(segment.names[0], _place(segment, 1.0, paper)) for segment in scaled]
+    for axes in (left, right):
+        axes.plot([x for _, (x, _) in given], [y for _, (_, y) in given], **GIVEN, zorder=5)
+    _label(left, [_scale_label(segment, paper) for segment in scaled])
+    _label(right, given)
+    _panel_title(left, "a", f"Each material's reflectance, scaled by {within[0]:.2f} … {within[1]:.2f}")
+    _panel_title(right, "b", _blends_title(blended))
+    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper.view)
+    _legend(figure)
+    caption(figure, _segments_caption(gamut, light, exposure))
+    return figure
+
+
+def solids_figure(gamut: Gamut) -> Figure:
+    """A gamut in three components: its shadow, which covers all of it, and its slice, where the others are zero.
+
+    Examples
+    --------
+    >>> from symrt.gamut import device_gamut, load_device
+    >>> solids_figure(device_gamut(load_device("dye3-endura-premier"))).get_suptitle()
+    'Spectral gamut, 3 of 36 components: unit gamut (0 … 1), black clipped'
+    """
+    figure = Figure(figsize=(12.0, 7.2), facecolor="white")
+    headline(figure, _title(gamut))
+    paper = Paper(View(), gamut.basis.vectors[:3])
+    solids = (("shadow", gamut.shadow(3).polyhedron()), ("slice", gamut.slice(3).polyhedron()))
+    for side, (name, solid) in enumerate(solids):
+        axes = _panel(figure, gamut, solid, paper, side)
+        _panel_title(axes, "ab"[side], f"Its {name}: volume {solid.volume:.3g}, {len(facets(solid))} sides")
+    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper.view)
+    text = "The shadow is the projection of all of the gamut, the slice its cut where every other component is zero. "
+    caption(figure, wrapped(text + _device_text(gamut), 175))
+    return figure
+
+
+def _title(gamut: Gamut) -> str:
+    return f"Spectral gamut, 3 of {len(gamut.bands)} components: {gamut.name}"
+
+
+def _segments_caption(gamut: Gamut, light: str, exposure: Number) -> str:
+    text = (
+        "Body: shadow (projection) of the gamut on c0, the neutral axis, c1 and c2. Materials: diffuse reflectance "
+        f"facing the reference light, {light}; exposure {exposure:g}. Clipped in all {len(gamut.bands)} bands, so that "
+        "a segment may leave the gamut where its shadow still covers it; no physical cap. "
+    )
+    return wrapped(text + _device_text(gamut), 175)
+
+
+def _device_text(gamut: Gamut) -> str:
+    device = gamut.device
+    bands = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
+    guessed = f"; extrapolated at {', '.join(bands)}" if bands else ""
+    how = "" if device.modelled else ", measured"
+    return f"Device: {device.title}{how}{guessed}. Being inside is {gamut.label} for a print, not sufficient."
+
+
+def _panel(figure: Figure, gamut: Gamut, solid: Polyhedron, paper: Paper, side: int) -> Axes:
+    axes, sides = figure.add_axes((0.5 * side, 0.14, 0.5, 0.74)), facets(solid)
+    _draw_body(axes, sides, paper.view)
+    _frame(axes, figure, outline(sides, paper.view))
+    _draw_neutral_axis(axes, paper, float(paper.vectors[0] @ gamut.upper))
+    return axes
+
+
+def _draw_body(axes: Axes, sides: list[Facet], view: View) -> None:
+    """The translucent solid: its far sides, and its near sides as a veil; segments keep their own colour above both."""
+    near = facing(sides, view)
+    for is_near, order, veil, hair in ((False, 1.0, 1.0, 0.10), (True, 1.5, 0.10, 0.13)):
+        shown = [side for side, seen in zip(sides, near, strict=True) if seen == is_near]
+        lit = np.array([abs(side.normal @ view.light) for side in shown])[:, None]
+        colours = np.hstack([BODY + (BODY_LIT - BODY) * lit, np.full((len(shown), 1), veil)])
+        outlines = [view.project(side.corners) for side in shown]
+        edges = (0.2, 0.27, 0.4, hair)
+        axes.add_collection(
+            PolyCollection(outlines, facecolors=colours, edgecolors=[edges], linewidths=0.4, zorder=order)
+        )
+    axes.fill(*outline(sides, view).T, facecolor="none", edgecolor=HAIR, linewidth=1.0, zorder=1.6)
+
+
+def _frame(axes: Axes, figure: Figure, contour: Points) -> None:
+    """The same unit across and up, the body in the lower middle, with room beside it for names."""
+    low, high = contour.min(axis=0), contour.max(axis=0)
+    half = (high - low) / 2
+    box = axes.get_position()
+    width, height = figure.get_size_inches() * (box.width, box.height)
+    across = max(2 * WIDE * half[0], TALL * 2 * half[1] * width / height)
+    bottom = low[1] - 0.13 * half[1]
+    axes.set(
+        xlim=(low + half)[0] + across / 2 * np.array([-1, 1]),
+        ylim=(bottom, bottom + across * height / width),
+        aspect="equal",
+    )
+    axes.set_axis_off()
+
+
+def _draw_neutral_axis(axes: Axes, paper: Paper, top: float) -> None:
+    """c0 from black upwards, with its whole numbers; white is at √K."""
+    ticks = np.arange(int(top) + 1)
+    points = paper.view.project(np.array([[t, 0.0, 0.0] for t in (*ticks, top)]))
+    axes.plot(points[[0, -1], 0], points[[0, -1], 1], color=INK, lw=0.8, zorder=2)
+    axes.plot(*points[:-1].T, ls="none", marker="_", ms=6, mew=0.8, color=INK, zorder=2)
+    text: dict[str, Any] = {"textcoords": "offset points", "color": INK, "zorder": 7}
+    for tick, point in zip(ticks, points, strict=False):
+        axes.annotate(str(tick), point, (-7, 0), ha="right", va="center", fontsize=7.5, **text)
+    axes.annotate("$c_0$, neutral", points[-1], (0, 6), ha="center", fontsize=9, **text)
+
+
+def _draw_directions(axes: Axes, view: View) -> None:
+    """One unit along each coordinate."""
+    tips = view.project(np.eye(3))
+    for name, tip in zip(("$c_0$", "$c_1$", "$c_2$"), tips, strict=True):
+        arrow = {"arrowstyle": "-|>,head_width=.15,head_length=.3", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tip, (0, 0), arrowprops=arrow)
+        axes.annotate(name, 1.25 * tip, ha="center", va="center", fontsize=8, color=INK)
+    axes.set(xlim=(-1.1, 1.3), ylim=(-0.5, 1.4), aspect="equal")
+    axes.set_axis_off()
+
+
+def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, order: float) -> None:
+    if segment.inside is not None:
+        points, colours = _pieces(segment, segment.inside, paper)
+        axes.plot(*points.T, color=INK, lw=width + 1.1, solid_capstyle="round", zorder=order)
+        pieces = np.stack([points[:-1], points[1:]], axis=1)
+        axes.add_collection(
+            LineCollection(list(pieces), colors=colours, linewidths=width, zorder=order, capstyle="round")
+        )
+    for part in segment.outside:
+        points, _ = _pieces(segment, part, paper)
+        for colour, weight in ((INK, 1.9), (segment.colours.mean(axis=0), 1.0)):
+            dashes = (0, (6 / weight, 3.5 / weight))
+            axes.plot(*points.T, color=colour, lw=weight, ls=dashes, dash_capstyle="butt", zorder=3)
+
+
+def _length(segment: Segment, paper: Paper) -> float:
+    """Of the part inside, on paper."""
+    ends = segment.inside or (0.0, 0.0)
+    return math.dist(*(_place(segment, t, paper) for t in ends))
+
+
+def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[np.ndarray, "piece 3"]]:
+    t = np.linspace(*part, STEPS + 1)
+    points = paper(segment.origin + t[:, None] * segment.direction)
+    share = (t[1:, None] + t[:-1, None]) / 2 if len(segment.names) == 2 else np.zeros((STEPS, 1))
+    return points, (1 - share) * segment.colours[0] + share * segment.colours[1]
+
+
+def _scale_label(segment: Segment, paper: Paper) -> tuple[str, Place]:
+    name, first = segment.names[0], segment.within[0]
+    if segment.inside is None:
+        return f"{name}: none", _place(segment, first, paper)
+    low, high = segment.inside
+    part = "all" if segment.inside == segment.within else f"≤ {high:.2f}" if low == first else f"{low:.2f} … {high:.2f}"
+    return f"{name}: {part}", _place(segment, high, paper)
+
+
+def _place(segment: Segment, t: Number, paper: Paper) -> Place:
+    x, y = paper(segment.at(t)[None])[0].tolist()
+    return x, y
+
+
+def _label(axes: Axes, labels: list[tuple[str, Place]]) -> None:
+    """Names in a column at either side, each joined to its point by a thin line."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    middle = (left + right) / 2
+    for side, edge, align in ((-1, left, "left"), (1, right, "right")):
+        chosen = [(text, point) for text, point in labels if (point[0] >= middle) == (side > 0)]
+        heights = spread(np.array([point[1] for _, point in chosen]), 0.042 * (top - bottom))
+        for (text, point), y in zip(chosen, heights, strict=True):
+            place = (edge - side * 0.01 * (right - left), y)
+            axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, arrowprops=LEADER, **NAME)
+
+
+def _panel_title(axes: Axes, letter: str, text: str) -> None:
+    axes.text(0.04, 1.02, letter, transform=axes.transAxes, fontsize=12, weight="bold", color=INK)
+    axes.text(0.085, 1.02, text, transform=axes.transAxes, fontsize=10, color=INK)
+
+
+def _blends_title(segments: Sequence[Segment]) -> str:
+    whole = sum(segment.inside == segment.within for segment in segments)
+    return f"Blends of two materials: {whole} of {len(segments)} wholly inside"
+
+
+def _legend(figure: Figure) -> None:
+    inside = Line2D([], [], color=GREY, lw=3.4, solid_capstyle="round", label="inside in every band")
+    given = Line2D([], [], **GIVEN, label="as given (scale 1)")
+    outside = Line2D([], [], color=GREY, lw=1.3, ls=(0, (4, 2)), label="outside in some band")
+    figure.legend(
+        handles=[inside, outside, given],
+        loc="lower left",
+        bbox_to_anchor=(0.012, 0.095),
+        ncols=3,
+        frameon=False,
+        fontsize=9,
+    )

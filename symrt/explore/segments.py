@@ -1,0 +1,166 @@
+"""Line segments in a gamut: what Figure 1 of the paper draws, between its steps 4 and 5.
+
+A perfect white that faces the reference light has reflectance 1, and a material in its place has its own reflectance r.
+Scaling the material moves it along ``t r``, blending two moves it along ``(1 − t) a + t b``: lines through the gamut,
+whose part inside *all* bands is found by `symrt.feedback.clip`, whatever few components are drawn.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Float
+
+from symrt.arrays import Spectrum
+from symrt.feedback.clipping import clip
+from symrt.gamut.slabs import Gamut
+from symrt.spectra.bands import Number
+from symrt.spectra.display import display_matrix, encode
+from symrt.spectra.palette import Palette
+
+__all__ = ["Segment", "blend_segments", "diffuse_materials", "scale_segments"]
+
+Span = tuple[Number, Number]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """The line ``origin + t direction`` that a parameter t draws, and the part of it inside a gamut.
+
+    Parameters
+    ----------
+    names
+        The material that is scaled, or the two that are blended.
+    origin, direction
+        Reflectances.
+    within
+        The values of t looked at.
+    inside
+        Those of them that are inside in every band; None if none is.
+    colours
+        In encoded sRGB, at t = 0 and t = 1; one colour for a scaled material.
+
+    Examples
+    --------
+    >>> grey = Segment(("grey",), np.zeros(2), np.ones(2), (0.0, 3.0), (0.0, 1.0), np.full((2, 3), 0.7))
+    >>> grey.at(0.5).tolist(), grey.outside
+    ([0.5, 0.5], ((1.0, 3.0),))
+    """
+
+    names: tuple[str, ...]
+    origin: Spectrum
+    direction: Spectrum
+    within: Span
+    inside: Span | None
+    colours: Float[np.ndarray, "2 3"]
+
+    def at(self, t: Number) -> Spectrum:
+        """The reflectance at t."""
+        return self.origin + t * self.direction
+
+    @property
+    def outside(self) -> tuple[Span, ...]:
+        """The rest of `within`: at most one stretch on either side."""
+        if self.inside is None:
+            return (self.within,)
+        ends = ((self.within[0], self.inside[0]), (self.inside[1], self.within[1]))
+        return tuple((low, high) for low, high in ends if low < high)
+
+
+def diffuse_materials(palette: Palette) -> tuple[str, ...]:
+    """Names of the materials that have a diffuse reflectance, in the palette's order.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> diffuse_materials(Palette(RGB, {"sun": 1, "sea.diffuse": 0.1, "sea.mirror": 0.02}))
+    ('sea',)
+    """
+    return tuple(name.removesuffix(".diffuse") for name in palette.reflectances if name.endswith(".diffuse"))
+
+
+def scale_segments(
+    gamut: Gamut,
+    palette: Palette,
+    materials: Sequence[str],
+    white: Spectrum,
+    within: Span = (0.01, 3.0),
+    exposure: Number = 1.0,
+) -> tuple[Segment, ...]:
+    """The segment ``t r`` of each material's diffuse reflectance.
+
+    Parameters
+    ----------
+    white
+        Radiance of the reference white, which the colours are seen against.
+    within
+        The scales looked at.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"))
+    >>> grey = Palette(gamut.bands, {"grey.diffuse": 0.5})
+    >>> low, high = scale_segments(gamut, grey, ["grey"], np.ones(36))[0].inside
+    >>> low, round(high, 12)
+    (0.01, 2.0)
+    """
+    spectra = exposure * _diffuse(palette, materials)
+    colours = _colours(spectra, palette, white)
+    inside = _inside(gamut, np.zeros_like(spectra), spectra, within)
+    return tuple(
+        Segment((name,), np.zeros_like(r), r, within, part, np.array([colour, colour]))
+        for name, r, part, colour in zip(materials, spectra, inside, colours, strict=True)
+    )
+
+
+def blend_segments(
+    gamut: Gamut, palette: Palette, materials: Sequence[str], white: Spectrum, exposure: Number = 1.0
+) -> tuple[Segment, ...]:
+    """The segment from each material to each other one, t from 0 to 1.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"))
+    >>> greys = Palette(gamut.bands, {"dark.diffuse": 0.1, "light.diffuse": 0.5})
+    >>> [(s.names, s.inside) for s in blend_segments(gamut, greys, ["dark", "light"], np.ones(36))]
+    [(('dark', 'light'), (0.0, 1.0))]
+    """
+    spectra = exposure * _diffuse(palette, materials)
+    colours = _colours(spectra, palette, white)
+    pairs = list(combinations(range(len(materials)), 2))
+    if not pairs:
+        return ()
+    first, second = (list(index) for index in zip(*pairs, strict=True))
+    origin, direction = spectra[first], spectra[second] - spectra[first]
+    inside = _inside(gamut, origin, direction, (0.0, 1.0))
+    return tuple(
+        Segment((materials[a], materials[b]), o, d, (0.0, 1.0), part, colours[[a, b]])
+        for (a, b), o, d, part in zip(pairs, origin, direction, inside, strict=True)
+    )
+
+
+def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "material band"]:
+    spectra = [palette[f"{name}.diffuse"] for name in materials]
+    return np.array(spectra).reshape(-1, len(palette.bands))
+
+
+def _inside(
+    gamut: Gamut,
+    origin: Float[np.ndarray, "segment band"],
+    direction: Float[np.ndarray, "segment band"],
+    within: Span,
+) -> list[Span | None]:
+    interval = clip(gamut, origin, direction)
+    low, high = np.maximum(interval.low, within[0]), np.minimum(interval.high, within[1])
+    return [(a, b) if a <= b else None for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+
+
+def _colours(
+    spectra: Float[np.ndarray, "material band"], palette: Palette, white: Spectrum
+) -> Float[np.ndarray, "material 3"]:
+    return encode((spectra * white) @ display_matrix(palette.bands, white))

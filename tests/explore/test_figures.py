@@ -1,0 +1,227 @@
+"""What figures show is what the numbers say: Figure 1 of the paper, feasible ranges and their reasons."""
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations, pairwise
+
+import imageio.v3 as imageio
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+from scipy.optimize import isotonic_regression
+from scipy.spatial import ConvexHull
+
+import symrt as rt
+from symrt.explore import plots
+from symrt.explore.plots.feedback import _binding, _outside
+from symrt.explore.segments import blend_segments, diffuse_materials, scale_segments
+from symrt.explore.solid import View, facets, facing, outline, spread
+from symrt.feedback.limits import limits
+
+WITHIN = (0.01, 3.0)
+
+
+@pytest.fixture(scope="module")
+def gamut():
+    return rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+
+
+@pytest.fixture(scope="module")
+def palette():
+    return rt.load_palettes("globe")["macbeth"]
+
+
+@pytest.fixture(scope="module")
+def scaled(gamut, palette):
+    return scale_segments(gamut, palette, diffuse_materials(palette), palette["key"], WITHIN)
+
+
+@pytest.fixture(scope="module")
+def blended(gamut, palette):
+    return blend_segments(gamut, palette, diffuse_materials(palette), palette["key"])
+
+
+@pytest.fixture(scope="module")
+def system():
+    scene = rt.load_scene("first")
+    return rt.render(replace(scene, camera=replace(scene.camera, width=24, height=24)), progress=False)
+
+
+@pytest.fixture(scope="module")
+def ranges(system, gamut):
+    names = ("red", "red.specular", "sun")
+    return [rt.feasible(system, plain(), gamut, rt.Scale(name), cap=False) for name in names]
+
+
+def plain():
+    return rt.load_palettes("first")["plain"]
+
+
+def picture(figure):
+    return imageio.imread(plots.png(figure, dpi=60), extension=".png")[..., :3]
+
+
+def texts(figure):
+    """Every text that is drawn, with the rectangle it covers in pixels."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    return [(text.get_text(), Text.get_window_extent(text, canvas.get_renderer())) for text in shown]
+
+
+def figures(gamut, palette, system, ranges):
+    return {
+        "gamut": plots.gamut_figure(gamut, palette),
+        "solids": plots.solids_figure(gamut),
+        "ranges": plots.ranges_figure(ranges, system, plain(), gamut),
+        "map": plots.out_of_gamut_map(system, plain(), gamut),
+        "curve": plots.curve_figure(ranges[0]),
+    }
+
+
+def test_the_part_drawn_inside_is_what_clipping_in_all_bands_says(gamut, palette, scaled):
+    # Paper §5: the paired planes that construct the gamut are the clipping planes.
+    for segment in scaled:
+        r = palette[f"{segment.names[0]}.diffuse"].tolist()
+        exact = min(Fraction(high) / Fraction(x) for high, x in zip(gamut.upper.tolist(), r, strict=True) if x)
+        low, high = segment.inside
+        assert (low, Fraction(high) <= min(exact, Fraction(WITHIN[1]))) == (WITHIN[0], True)
+        assert high == pytest.approx(min(float(exact), WITHIN[1]), rel=1e-12)
+
+
+def test_the_parts_of_a_segment_are_all_of_it_and_those_outside_are_outside(gamut, scaled, blended):
+    for segment in (*scaled, *blended):
+        parts = sorted([*segment.outside, *([segment.inside] if segment.inside else [])])
+        assert [parts[0][0], parts[-1][1]] == list(segment.within)
+        assert all(a[1] == b[0] for a, b in pairwise(parts))
+        for low, high in segment.outside:
+            assert not gamut.contains(segment.at((low + high) / 2)[None])[0]
+        if segment.inside:
+            assert gamut.contains(np.array([segment.at(t) for t in np.linspace(*segment.inside, 5)[1:-1]])).all()
+
+
+def test_every_segment_inside_the_gamut_is_drawn_inside_the_shadow(gamut, scaled, blended):
+    vectors, view = gamut.basis.vectors[:3], View()
+    sides = facets(gamut.shadow(3).polyhedron())
+    planes = ConvexHull(outline(sides, view)).equations
+    for segment in (*scaled, *blended):
+        if segment.inside:
+            points = np.array([segment.at(t) for t in np.linspace(*segment.inside, 9)]) @ vectors.T
+            assert all(((points - side.corners[0]) @ side.normal).max() < 1e-9 for side in sides)
+            assert (planes[:, :2] @ view.project(points).T + planes[:, 2:]).max() < 1e-9
+
+
+def test_whatever_a_device_prints_is_drawn_inside_the_shadow(gamut):
+    view = View()
+    planes = ConvexHull(outline(facets(gamut.shadow(3).polyhedron()), view)).equations
+    points = view.project(gamut.device.samples @ gamut.basis.vectors[:3].T)
+    assert (planes[:, :2] @ points.T + planes[:, 2:]).max() < 1e-9
+
+
+def test_a_blend_runs_from_one_material_to_the_other(palette, blended):
+    assert len(blended) == len(list(combinations(diffuse_materials(palette), 2)))
+    for segment in blended:
+        ends = [palette[f"{name}.diffuse"] for name in segment.names]
+        np.testing.assert_allclose([segment.at(0.0), segment.at(1.0)], ends, rtol=1e-12, atol=1e-15)
+
+
+def test_facets_are_the_flat_sides_of_the_solid(gamut):
+    for solid in (gamut.shadow(3).polyhedron(), gamut.slice(3).polyhedron()):
+        sides = facets(solid)
+        assert len(solid.vertices) - len(solid.edges) + len(sides) == 2  # Euler's formula
+        area = 0.0
+        for side in sides:
+            assert np.abs((side.corners - side.corners[0]) @ side.normal).max() < 1e-9
+            spokes = side.corners[1:] - side.corners[0]
+            area += np.linalg.norm(np.cross(spokes[:-1], spokes[1:]), axis=1).sum() / 2
+        assert area == pytest.approx(ConvexHull(solid.vertices).area, rel=1e-9)
+
+
+def test_the_near_sides_of_a_solid_cover_the_same_paper_as_the_far_ones(gamut):
+    view, sides = View(25.0, 40.0), facets(gamut.slice(3).polyhedron())
+    covered = []
+    for near in (True, False):
+        flats = [view.project(s.corners) for s, seen in zip(sides, facing(sides, view), strict=True) if seen == near]
+        covered.append(sum(ConvexHull(flat).volume for flat in flats))
+    assert covered == pytest.approx([ConvexHull(outline(sides, view)).volume] * 2, rel=1e-9)
+
+
+def test_a_view_keeps_lengths_that_lie_in_the_paper_and_hides_the_one_across_it():
+    rng = np.random.default_rng(7)
+    for azimuth, elevation in rng.uniform(-180, 180, (50, 2)):
+        view = View(float(azimuth), float(elevation))
+        points = rng.normal(size=(20, 3))
+        depth = points @ view.towards
+        np.testing.assert_allclose((view.project(points) ** 2).sum(1) + depth**2, (points**2).sum(1), rtol=1e-12)
+        assert View(float(azimuth), 0.0).project(np.array([[1.0, 0, 0]]))[0].tolist() == [0, 1]
+
+
+def test_labels_are_spread_as_isotonic_regression_spreads_them():
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        wanted, gap = rng.normal(size=rng.integers(0, 12)), float(rng.uniform(0, 1))
+        placed, order = spread(wanted, gap), np.argsort(wanted, kind="stable")
+        assert np.all(np.diff(placed[order]) >= gap * (1 - 1e-12))
+        steps = gap * np.arange(len(wanted))
+        if len(wanted):
+            np.testing.assert_allclose(placed[order], isotonic_regression(wanted[order] - steps).x + steps, atol=1e-12)
+
+
+def test_names_on_figures_do_not_overlap_and_stay_on_the_paper(gamut, palette, system, ranges):
+    for name, figure in figures(gamut, palette, system, ranges).items():
+        shown = texts(figure)
+        width, height = figure.canvas.get_width_height()
+        for text, box in shown:
+            assert 0 <= box.x0 < box.x1 <= width, (name, text)
+            assert 0 <= box.y0 < box.y1 <= height, (name, text)
+        for (one, a), (other, b) in combinations(shown, 2):
+            apart = a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0
+            assert apart, (name, one, other)
+
+
+def test_figures_are_drawn_in_many_colours_and_name_what_they_show(gamut, palette, system, ranges):
+    for name, figure in figures(gamut, palette, system, ranges).items():
+        assert len(np.unique(picture(figure).reshape(-1, 3), axis=0)) > 100, name
+        said = " ".join(text for text, _ in texts(figure)).replace("\n", " ")
+        assert "modelled" in said, name
+        assert "envelope of dye3-endura-premier" in said, name
+    said = " ".join(text for text, _ in texts(plots.gamut_figure(gamut, palette, exposure=0.5)))
+    assert all(word in said for word in ("3 of 36", "reference light, key", "exposure 0.5", "ice: ≤", "extrapolated"))
+
+
+def test_materials_are_drawn_in_their_own_colour(gamut, palette):
+    figure = plots.gamut_figure(gamut, palette, ["brass"])
+    expected = scale_segments(gamut, palette, ["brass"], palette["key"])[0].colours[0]
+    pixels = picture(figure).reshape(-1, 3) / 255
+    assert (np.abs(pixels - expected).max(axis=1) < 0.02).sum() > 50
+
+
+def test_the_spectrum_beside_a_range_meets_the_bound_that_stops_it(gamut, system, ranges):
+    palette = plain()
+    asked = limits(system, palette, gamut)
+    for found in ranges:
+        spectrum = _binding(found, asked, system, palette)
+        band = asked.bands.labels.index(found.reasons[-1][1].band)
+        assert spectrum[band] == pytest.approx(gamut.upper[band], rel=1e-12)
+        assert (spectrum <= gamut.upper * (1 + 1e-12)).all()
+
+
+def test_the_map_marks_the_pixels_whose_reflectance_the_gamut_does_not_contain(gamut, system):
+    palette = plain()
+    bright, dark = _outside(system, palette, limits(system, palette, gamut))
+    image = rt.shade(system, palette)
+    reflectance = (image.values / image.white).reshape(-1, 36)
+    assert np.array_equal(bright.ravel(), ~gamut.contains(reflectance))
+    assert bright.any()
+    assert not (bright & dark).any()
+
+
+def test_figures_leave_matplotlibs_global_state_alone(gamut, palette):
+    before = dict(mpl.rcParams)
+    plots.png(plots.gamut_figure(gamut, palette))
+    assert dict(mpl.rcParams) == before
+    assert plt.get_fignums() == []
+    assert rt.plots is plots
