@@ -1,0 +1,154 @@
+"""What the words on a command line stand for: scenes, systems, palettes, devices, parameters and files to write.
+
+Each function says in one line what is wrong with a word and what to write instead.  Nothing slow is imported here.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import symrt as rt
+from symrt.errors import shown, suggestion
+
+if TYPE_CHECKING:
+    from symrt.feedback.parameters import Parameter, Scale
+    from symrt.gamut.slabs import Gamut
+    from symrt.scene.records import Scene
+    from symrt.spectra.palette import Palette
+    from symrt.system import LinearSystem
+
+__all__ = [
+    "alternatives_of",
+    "gamut_of",
+    "is_file",
+    "palette_of",
+    "parameter_of",
+    "scene_of",
+    "size_of",
+    "system_of",
+    "writable",
+]
+
+LARGEST = 32768
+"""Pixels on a side, as cameras have it."""
+
+
+def is_file(word: str) -> bool:
+    """Whether a word is the path of a system or gamut saved as ``.npz``, and not a scene or a name.
+
+    Examples
+    --------
+    >>> is_file("out/globe.npz"), is_file("globe")
+    (True, False)
+    """
+    return Path(word).suffix.lower() == ".npz"
+
+
+def size_of(word: str, shape: tuple[int, int]) -> tuple[int, int]:
+    """Width and height of a picture; if only the width is given, `shape` tells their ratio.
+
+    Examples
+    --------
+    >>> size_of("640x480", (1, 1)), size_of("512", (400, 300))
+    ((640, 480), (512, 384))
+    """
+    found = re.fullmatch(r"([0-9]{1,5})(?:[x×]([0-9]{1,5}))?", word)
+    if not found:
+        raise ValueError(f"--size {shown(word)}: give a width such as 512, or width and height such as 640x480")
+    width = int(found[1])
+    height = int(found[2]) if found[2] else max(1, round(width * shape[1] / shape[0]))
+    if not (0 < width <= LARGEST and 0 < height <= LARGEST):
+        raise ValueError(f"--size {word}: a picture has from 1 to {LARGEST} pixels on a side")
+    return width, height
+
+
+def scene_of(word: str, size: str | None = None, samples: int | None = None) -> "Scene":
+    """A scene by its file or its name, with another size or number of samples if they are given."""
+    if is_file(word):
+        raise ValueError(f"{word}: a rendered system stands here where a scene is needed: give its .toml file")
+    scene = rt.load_scene(word)
+    camera = scene.camera
+    if size is not None:
+        width, height = size_of(size, (camera.width, camera.height))
+        camera = replace(camera, width=width, height=height)
+    if samples is not None:
+        camera = replace(camera, samples=samples)
+    return scene if camera is scene.camera else replace(scene, camera=camera)
+
+
+def system_of(word: str, size: str | None = None, asked: Sequence["Parameter"] = ()) -> "LinearSystem":
+    """A saved system, or a scene that is rendered now, with what the blends among the parameters asked for need."""
+    if not is_file(word):
+        scene = scene_of(word, size)
+        return rt.render(scene, alternatives=alternatives_of(scene, asked))
+    if size is not None:
+        raise ValueError(f"--size {size}: {word} has its size already: render the scene again at another")
+    return rt.load_system(word)
+
+
+def alternatives_of(scene: "Scene", asked: Sequence["Parameter"]) -> dict[str, list[str]]:
+    """For each blend of materials that differ in more than their spectra, what `trace` must record beside."""
+    made = {material.name: (material.model, dict(material.parameters)) for material in scene.materials}
+    pairs = [(one.material, one.other) for one in asked if isinstance(one, rt.Blend)]
+    found: dict[str, list[str]] = {}
+    for material, other in dict.fromkeys(pairs):
+        if material in made and other in made and made[material] != made[other]:
+            found.setdefault(material, []).append(other)
+    return found
+
+
+def palette_of(source: str, file: str | None = None, name: str | None = None) -> "Palette":
+    """A palette by its name, or the only one there is, of a file or of the scene itself."""
+    if file is None and is_file(source):
+        raise ValueError(f"{source} holds no spectra: add --palettes FILE, such as the scene it was rendered from")
+    where = source if file is None else file
+    palettes = rt.load_palettes(where)
+    if name is None and len(palettes) == 1:
+        return next(iter(palettes.values()))
+    if name is None:
+        raise ValueError(f"{where} has several palettes: choose one with --palette: {', '.join(palettes)}")
+    if name not in palettes:
+        raise ValueError(f"--palette {shown(name)}: {where} has none of this name; {suggestion(name, palettes)}")
+    return palettes[name]
+
+
+def gamut_of(word: str, model: str = "envelope", black: str = "clip") -> "Gamut":
+    """A saved gamut, or the gamut of a device by name."""
+    return rt.load_gamut(word) if is_file(word) else rt.device_gamut(rt.load_device(word), model=model, black=black)
+
+
+def parameter_of(word: str) -> "Parameter":
+    """A parameter from ``scale:brass``, ``scale:brass.specular``, ``scale:sun`` or ``blend:sea:ice``.
+
+    Examples
+    --------
+    >>> parameter_of("scale:brass")
+    Scale(name='brass')
+    """
+    kind, *names = word.split(":")
+    if kind == "scale" and len(names) == 1 and names[0]:
+        return rt.Scale(names[0])
+    if kind == "blend" and len(names) == 2 and all(names):
+        return rt.Blend(*names)
+    raise ValueError(f"--parameter {shown(word)}: write scale:NAME, such as scale:brass, or blend:FROM:TO")
+
+
+def scale_of(word: str) -> "Scale":
+    """A parameter that must be a scale."""
+    found = parameter_of(word)
+    if isinstance(found, rt.Scale):
+        return found
+    raise ValueError(f"--parameter {shown(word)}: only scales are fitted: write scale:NAME, such as scale:brass")
+
+
+def writable(path: Path, *endings: str) -> Path:
+    """The path itself, if a file of that kind can be written there: asked before the work, not after it."""
+    if path.suffix.lower() not in endings:
+        raise ValueError(f"{path}: the name must end in {' or '.join(endings)}")
+    if path.is_dir():
+        raise ValueError(f"{path}: a folder has this name; give the name of a file")
+    if not path.parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent}; make it first, or give another path")
+    return path

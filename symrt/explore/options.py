@@ -1,0 +1,47 @@
+"""What the command line's options are called, and what their help says: each once, for every command that has it."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+__all__ = [
+    "AllowedOut",
+    "BlackName",
+    "Cap",
+    "DeviceName",
+    "Exposure",
+    "Json",
+    "ModelName",
+    "PaletteFile",
+    "PaletteName",
+    "Parameters",
+    "Plot",
+    "Reference",
+    "SceneFile",
+    "Size",
+    "Source",
+    "Within",
+]
+
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file, or globe, spheres or first.")]
+Source = Annotated[str, typer.Argument(metavar="SCENE|SYSTEM", help="A scene, or a rendered system (.npz).")]
+Size = Annotated[str | None, typer.Option("--size", metavar="W[xH]", help="Pixels; the scene's own if not given.")]
+PaletteName = Annotated[str | None, typer.Option("--palette", help="Which palette, if the file has several.")]
+PaletteFile = Annotated[str | None, typer.Option("--palettes", help="File with palettes, if not the scene itself.")]
+Exposure = Annotated[float, typer.Option("--exposure", help="Factor on every radiance.")]
+Reference = Annotated[
+    str | None,
+    typer.Option("--reference", help="White of a light, equal-energy, illuminant/...; else the key light's."),
+]
+DeviceName = Annotated[str, typer.Option("--device", help="A device, or a gamut saved as .npz.")]
+ModelName = Annotated[Literal["unit", "envelope"], typer.Option("--model", help="Which gamut of the device.")]
+BlackName = Annotated[Literal["clip", "luminance", "strict"], typer.Option("--black", help="What becomes of the dark.")]
+Within = Annotated[tuple[float, float], typer.Option("--within", help="Least and largest value looked at.")]
+Parameters = Annotated[
+    list[str], typer.Option("--parameter", "-p", help="scale:NAME or blend:FROM:TO; may be repeated.")
+]
+Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
+AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]
+Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
+Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]

@@ -1,0 +1,149 @@
+"""Answers as records for a program and as tables for a reader (steps 4 and 5 of the paper)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.gamut.slabs import Gamut
+
+__all__ = ["feasible_record", "fit_record", "fits_table", "gamut_facts", "gamut_table", "ranges_table"]
+
+SHOWN = 8
+"""Components whose errors are listed; later ones hardly matter on any device seen."""
+
+
+def gamut_facts(gamut: Gamut) -> dict[str, Any]:
+    """Facts of a gamut, of its device and of the basis, ready for JSON.
+
+    Examples
+    --------
+    >>> from symrt.gamut import device_gamut, load_device
+    >>> facts = gamut_facts(device_gamut(load_device("dye3-endura-premier"), "envelope"))
+    >>> facts["bands"], facts["largest c0"], facts["modelled"]
+    (36, 5.4, True)
+    """
+    device, basis = gamut.device, gamut.basis
+    outside = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
+    return {
+        "gamut": gamut.name,
+        "device": device.title,
+        "modelled": device.modelled,
+        "inside proves": f"{gamut.label} for a print, not sufficient",
+        "prints": len(device.samples),
+        "bands": len(gamut.bands),
+        "first band": gamut.bands.labels[0],
+        "last band": gamut.bands.labels[-1],
+        "extrapolated bands": outside,
+        "reflectance of black": float(device.black.min()),
+        "reflectance of white": float(device.white.max()),
+        "every entry of the first component": float(basis.vectors[0, 0]),
+        "largest c0": float(round(basis.vectors[0] @ gamut.upper, 12)),
+        "rank after the first component": basis.rank,
+        "cosine of the free first component with it": basis.cosine,
+        "rms error of k components, constant first": [float(e) for e in basis.rms[:SHOWN]],
+        "rms error of k components, plain": [float(e) for e in basis.rms_plain[:SHOWN]],
+        "volume of the shadow in 3 components": float(gamut.shadow(3).polyhedron().volume),
+        "volume of the slice in 3 components": float(gamut.slice(3).polyhedron().volume),
+        "provenance": device.provenance,
+    }
+
+
+def gamut_table(facts: dict[str, Any]) -> str:
+    """The same facts as text, one a line.
+
+    Examples
+    --------
+    >>> print(gamut_table({"bands": 36, "modelled": True, "rms": [0.125, 0.01]}))
+    bands     36
+    modelled  yes
+    rms       0.125, 0.01
+    """
+    width = max(len(name) for name in facts)
+    return "\n".join(f"{name:<{width}}  {_shown(value)}" for name, value in facts.items())
+
+
+def feasible_record(found: Feasible) -> dict[str, Any]:
+    """A feasible range, with its reasons, ready for JSON."""
+    return {
+        "parameter": str(found.parameter),
+        "within": list(found.within),
+        "intervals": [list(interval) for interval in found.intervals],
+        "reasons": [{"below": _reason(below), "above": _reason(above)} for below, above in found.reasons],
+        "verdict": found.verdict,
+        "object pixels": found.objects,
+        "untouched outside": _places(found, found.untouched_outside),
+        "unfixable": _places(found, found.unfixable),
+        "share darker than black": found.dark,
+        "above one": list(found.above_one),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
+def ranges_table(ranges: Sequence[Feasible]) -> str:
+    """Feasible ranges one below the other, each with its verdict and what stops it."""
+    head = ("parameter", "low", "high", "verdict", "left out", "stopped above by", "above 1 there")
+    return _table([head, *(row for found in ranges for row in _rows(found))])
+
+
+def fits_table(fits: Mapping[str, Fit]) -> str:
+    """The scales that each fit chose, side by side, with what stopped them in the last."""
+    last = list(fits.values())[-1]
+    head = ("scale of", *fits, f"stopped in the {last.objective}")
+    body = [(n, *(f"{f.values[n]:.4g}" for f in fits.values()), str(last.reasons[n])) for n in last.values]
+    return _table([head, *body])
+
+
+def fit_record(found: Fit) -> dict[str, Any]:
+    """A fit, with its reasons, ready for JSON."""
+    return {
+        "objective": found.objective,
+        "within": list(found.within),
+        "values": dict(found.values),
+        "reasons": {name: _reason(reason) for name, reason in found.reasons.items()},
+        "verdict": found.verdict,
+        "object pixels": found.objects,
+        "untouched outside": _places(found, found.untouched_outside),
+        "unfixable": _places(found, found.unfixable),
+        "share darker than black": found.dark,
+        "above one": list(found.above_one),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
+def _rows(found: Feasible) -> list[tuple[str, ...]]:
+    left_out = f"{len(found.untouched_outside)} + {len(found.unfixable)}"
+    above = ", ".join(found.above_one) or "-"
+    if not found.intervals:
+        return [(str(found.parameter), "none", "none", found.verdict, left_out, "-", above)]
+    return [
+        (str(found.parameter), f"{low:.4g}", f"{high:.4g}", found.verdict, left_out, str(reason[1]), above)
+        for (low, high), reason in zip(found.intervals, found.reasons, strict=True)
+    ]
+
+
+def _table(rows: Sequence[tuple[str, ...]]) -> str:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    return "\n".join([lines[0], "-" * max(map(len, lines)), *lines[1:]])
+
+
+def _reason(reason: Reason) -> dict[str, Any]:
+    keys = ("side", "x", "y", "band", "extrapolated", "symbol")
+    return {key: getattr(reason, key) for key in keys} | {"text": str(reason)}
+
+
+def _places(found: Feasible | Fit, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:
+    return [[int(n % found.width), int(n // found.width)] for n in pixels]
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list):
+        return ", ".join(_shown(item) for item in value) or "none"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
