@@ -55,8 +55,8 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
     return min(caps, key=lambda found: found.value, default=UNLIMITED)
 
 
-def above_one(palette: Palette) -> tuple[str, ...]:
-    """Materials, or single components, that reflect more than they receive in some band.
+def above_one(palette: Palette, moved: Collection[str] | None = None) -> tuple[str, ...]:
+    """Materials, or single components, that reflect more than they receive in some band; of those moved, if given.
 
     Examples
     --------
@@ -66,7 +66,8 @@ def above_one(palette: Palette) -> tuple[str, ...]:
     """
     # Three roundings at most: a sum that is 1 in decimals is not above it.
     most = 1 + 2.0**-50
-    return tuple(name for name, symbols in _groups(palette).items() if _total(palette, symbols).max() > most)
+    groups = {n: g for n, g in _groups(palette).items() if moved is None or not set(g).isdisjoint(moved)}
+    return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > most)
 
 
 def _groups(palette: Palette) -> Mapping[str, list[str]]:

@@ -17,7 +17,7 @@ from symrt.feedback.filling import Task, darkest, lightest
 from symrt.feedback.intervals import inside_at
 from symrt.feedback.limits import Bound, Limits, limits
 from symrt.feedback.parameters import Scale, moved_ends
-from symrt.feedback.ranges import Range, checked_range, dark_share
+from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
 from symrt.feedback.reasons import Fit
 from symrt.gamut.slabs import Black, Gamut, device_gamut
 from symrt.spectra.bands import Number
@@ -85,6 +85,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     start = time.perf_counter()
     if objective not in ("lightest", "darkest"):
         raise ValueError(f"objective = {objective!r}: there are 'lightest' and 'darkest'")
+    check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
     task = _task(system, palette, limits(system, palette, gamut, reference), scales, within, cap)

@@ -1,7 +1,7 @@
 """Where polynomials stay between bounds, certified: step 5 of the paper for a degree above 1.
 
 Two cases.  A *posynomial* Σ t^k q_k with q_k ≥ 0 rises and is convex for t ≥ 0, so that Newton's method started above a
-root falls to it and never below; the last bits are settled by evaluating with a bound on the rounding.  Any other
+root falls to it and never below.  It aims a few roundings inwards, and what it finds is evaluated once more.  Any other
 polynomial in *Bernstein form* lies between its least and its largest coefficient [1]_: a piece of the range is inside
 when all of them are, outside when all of them are beyond one bound, and is halved otherwise.
 
@@ -11,10 +11,11 @@ References
    Geometric Design 4, 1987, pp. 191-216.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from symrt.spectra.bands import Number
 
@@ -22,13 +23,14 @@ __all__ = ["Spans", "highest", "lowest", "spans_inside"]
 
 ROUNDING = 2.0**-53
 MOST_STEPS = 200
-"""Newton's steps at most; from far above, each at least halves the distance to a root of multiplicity one."""
+"""Newton's steps at most; from far above, each multiplies t by 1 − 1/D or less."""
 HALVINGS = 36
 """Pieces of the range narrower than 2⁻³⁶ of it that are still undecided count as outside."""
 
 Powers = Float[np.ndarray, "power pixel slab"]
 Bounds = Float[np.ndarray, " slab"]
 Values = Float[np.ndarray, " pixel"]
+Slabs = Float[np.ndarray, "pixel slab"]
 
 
 class Spans(NamedTuple):
@@ -49,19 +51,10 @@ def highest(q: Powers, upper: Bounds, top: Number) -> Values:
     >>> highest(np.array([[[0.0]], [[0.5]], [[0.5]]]), np.array([1.0]), 3.0).round(12)
     array([1.])
     """
-    t = np.full(q.shape[1], float(top))
-    active = np.arange(len(t))
-    for _ in range(MOST_STEPS):
-        value, slope = _horner(q[:, active], t[active])
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            steps = np.where(value > upper, (value - upper) / slope, 0.0).max(axis=1)
-        fallen = np.maximum(t[active] - steps, 0.0)
-        moving = fallen < t[active] * (1 - 2 * ROUNDING)
-        t[active] = fallen
-        active = active[moving]
-        if not active.size:
-            break
-    return _settled(q, upper, t, -1, top)
+    error = _rounding(q)
+    t = _newton(q, upper * (1 - 2 * error), top, np.min, np.inf)
+    sure = (_value(q, t) * (1 + error) <= upper).all(axis=1)
+    return np.where(sure, t, np.where((q[0] <= upper).all(axis=1), 0.0, -np.inf))
 
 
 def lowest(q: Powers, lower: Bounds, top: Number) -> Values:
@@ -74,20 +67,10 @@ def lowest(q: Powers, lower: Bounds, top: Number) -> Values:
     >>> lowest(np.array([[[0.0]], [[0.5]], [[0.5]]]), np.array([1.0]), 3.0).round(12)
     array([1.])
     """
-    t = np.full(q.shape[1], float(top))
-    active = np.flatnonzero(np.all(_horner(q, t)[0] >= lower, axis=1))
-    for _ in range(MOST_STEPS):
-        value, slope = _horner(q[:, active], t[active])
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            # A slab that holds everywhere asks for no step, one that t does not move allows any.
-            steps = np.where(slope > 0, (value - lower) / slope, np.inf).min(axis=1)
-        fallen = np.clip(t[active] - np.maximum(steps, 0.0), 0.0, None)
-        moving = fallen < t[active] * (1 - 2 * ROUNDING)
-        t[active] = fallen
-        active = active[moving]
-        if not active.size:
-            break
-    return _settled(q, lower, t, 1, top)
+    error = _rounding(q)
+    t = _newton(q, lower * (1 + 2 * error), top, np.max, -np.inf)
+    sure = (_value(q, t) * (1 - error) >= lower).all(axis=1)
+    return np.where((q[0] >= lower).all(axis=1), 0.0, np.where(sure, t, np.inf))
 
 
 def spans_inside(
@@ -123,35 +106,49 @@ def spans_inside(
     return _joined(found, within)
 
 
-def _horner(q: Powers, t: Values) -> tuple[Float[np.ndarray, "pixel slab"], Float[np.ndarray, "pixel slab"]]:
-    """Value and slope of Σ t^k q_k."""
-    value, slope = q[-1], np.zeros_like(q[-1])
-    for coefficient in q[-2::-1]:
-        slope = slope * t[:, None] + value
-        value = value * t[:, None] + coefficient
-    return value, slope
+def _newton(q: Powers, aim: Slabs, top: Number, choose: Callable[..., Values], ignored: float) -> Values:
+    """Newton's method in all slabs at once, downwards from `top`: the first, or the last, of the roots.
 
-
-def _settled(q: Powers, bound: Bounds, t: Values, side: int, top: Number) -> Values:
-    """Move t down (side -1) or up (1), by twice as much each time, until the rounded sum is surely within the bound."""
-    t, step = t.copy(), 4 * ROUNDING
-    unsure = np.flatnonzero(~_surely(q, bound, t, side))
-    while unsure.size and step < 1:
-        moved = t[unsure] * (1 + side * step) + (top * step if side > 0 else 0.0)
-        t[unsure] = np.minimum(moved, top)
-        unsure = unsure[~_surely(q[:, unsure], bound, t[unsure], side)]
-        step *= 2
-    # At the very end of the range, and at 0 with the bound met exactly, there is no room to move.
-    t[unsure] = 0.0 if side < 0 else top
-    t[unsure[~_surely(q[:, unsure], bound, t[unsure], side)]] = side * np.inf
+    The tangent at t meets the aim at ``(aim − q_0 + Σ (k − 1) q_k t^k) / Σ k q_k t^(k−1)``; written so, nothing but
+    aim − q_0 cancels.  A tangent to a convex function lies below it: no root is passed.
+    """
+    t = np.full(q.shape[1], float(top))
+    active = np.arange(len(t))
+    for _ in range(MOST_STEPS):
+        slope, bend = _derivatives(q[:, active], t[active])
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            met = np.where(slope > 0, (aim[active] - q[0, active] + bend) / slope, ignored)
+        fallen = np.clip(choose(met, axis=1), 0.0, t[active])
+        moving = fallen < t[active] * (1 - 2 * ROUNDING)
+        t[active] = fallen
+        active = active[moving]
+        if not active.size:
+            break
     return t
 
 
-def _surely(q: Powers, bound: Bounds, t: Values, side: int) -> Bool[np.ndarray, " pixel"]:
-    """Whether the sum is within the bound whatever its rounding, at most a factor 1 ± (2 D + 2) u."""
-    error = np.where(t == 0, 0.0, 4 * len(q) * ROUNDING)[:, None]
-    value = _horner(q, t)[0] * (1 - side * error)
-    return np.all(value <= bound if side < 0 else value >= bound, axis=1)
+def _value(q: Powers, t: Values) -> Slabs:
+    value = q[-1]
+    for coefficient in q[-2::-1]:
+        value = value * t[:, None] + coefficient
+    return value
+
+
+def _derivatives(q: Powers, t: Values) -> tuple[Slabs, Slabs]:
+    """Σ k q_k t^(k−1), and Σ (k − 1) q_k t^k."""
+    slope, bend = q[1].copy(), np.zeros_like(q[1])
+    power = np.ones((len(t), 1))
+    for k in range(2, len(q)):
+        power = power * t[:, None]
+        term = q[k] * power
+        slope += k * term
+        bend += (k - 1) * term * t[:, None]
+    return slope, bend
+
+
+def _rounding(q: Powers) -> Slabs:
+    """A bound on the relative error of the sum, (2 D + 2) u and as much again; none where t moves nothing."""
+    return np.where(q[1:].any(axis=0), 4 * len(q) * ROUNDING, 0.0)
 
 
 def _halved(b: Powers) -> tuple[Powers, Powers]:

@@ -28,7 +28,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["Range", "checked_range", "dark_share", "feasible", "reason"]
+__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "reason"]
 
 Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
@@ -90,18 +90,17 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     within = checked_range(parameter, within)
-    _check_share(allowed_out, "allowed_out")
-    _check_share(allowed_dark, "allowed_dark")
+    check_share(allowed_out, "allowed_out")
+    check_share(allowed_dark, "allowed_dark")
     asked = limits(system, palette, gamut, reference)
     line = along(system, palette, parameter)
     now = 0.0 if isinstance(parameter, Blend) else 1.0
     image = _image(line, asked, np.flatnonzero(system.object_pixels), within, now)
     budget = int(allowed_out * len(image.objects) + 1e-9) - len(image.outside) - len(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
-    capped = UNLIMITED
-    if cap and not isinstance(parameter, Blend):
-        capped = physical_cap(palette, moved_ends(system, palette, parameter).keys())
-        constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
+    symbols = moved_ends(system, palette, parameter).keys()
+    capped = physical_cap(palette, symbols) if cap and not isinstance(parameter, Blend) else UNLIMITED
+    constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
 
     def why(end: End, t: float) -> Reason:
@@ -118,7 +117,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         unfixable=image.unfixable,
         dark=image.dark,
         objects=len(image.objects),
-        above_one=above_one(moved(system, palette, parameter, found[-1].high)) if found else (),
+        above_one=above_one(moved(system, palette, parameter, found[-1].high), symbols) if found else (),
         curve=curve(image.spans, image.always, len(image.objects)),
         note=asked.note,
         width=system.width,
@@ -237,6 +236,7 @@ def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, fl
     return float(low), float(high)
 
 
-def _check_share(value: Number, name: str) -> None:
+def check_share(value: Number, name: str) -> None:
+    """Refuse what is no share of pixels."""
     if not 0 <= value <= 1:
         raise ValueError(f"{name} = {value}: it is a share of pixels, from 0 to 1; for 5 % give 0.05")

@@ -82,7 +82,7 @@ class Feasible:
     objects
         Number of object pixels, those that light reaches.
     above_one
-        Reflectances that pass 1 at the highest value found.
+        Materials whose scaled components together pass 1 at the highest value found.
     curve
         Share of the object pixels outside, as a function of the value.
     note
@@ -227,5 +227,5 @@ def exceptions(
     counts = ((len(untouched), "outside and untouched"), (len(unfixable), "outside whatever the value"))
     lines = [f"{n} of {objects} object pixels are {what}." for n, what in counts if n]
     if above_one:
-        lines.append(f"{', '.join(above_one)} would reflect more than received.")
+        lines.append(f"More would be reflected than received by {', '.join(above_one)}.")
     return [*lines, f"{dark:.1%} of the object pixels are darker than the device's black."]

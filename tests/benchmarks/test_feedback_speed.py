@@ -1,0 +1,40 @@
+"""What the feedback costs, as a ratio to the plain clip of the same arrays; seconds are reported, never asserted."""
+
+import numpy as np
+import pytest
+from benchmarks.pairs import ratio, seconds
+
+import symrt as rt
+from symrt.feedback.clipping import clip_slabs
+
+pytestmark = pytest.mark.benchmark
+
+
+def plain(lower, upper, origin, direction):
+    """Both quotients of every slab, whole arrays at a time, as a textbook would."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at_lower, at_upper = (lower - origin) / direction, (upper - origin) / direction
+    return np.minimum(at_lower, at_upper).max(axis=1), np.maximum(at_lower, at_upper).min(axis=1)
+
+
+def test_a_certified_clip_costs_no_more_than_the_plain_quotient(report, benchmark):
+    random = np.random.default_rng(0)
+    origin, direction = random.uniform(0, 0.5, (512**2, 36)), random.normal(size=(512**2, 36))
+    lines = (np.zeros(36), np.ones(36), origin, direction)
+    found, one, other = ratio(lambda: clip_slabs(*lines), lambda: plain(*lines), pairs=9)
+    benchmark(clip_slabs, *lines)
+    report(
+        f"certified clip, 512² × 36: {one * 1e3:.0f} ms, {found:.2f} times the plain quotient ({other * 1e3:.0f} ms)"
+    )
+    assert found <= 1.5
+
+
+def test_ranges_and_fits_of_the_globe(system, palette, report, benchmark):
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    scales = [rt.Scale(name) for name in sorted({s.partition(".")[0] for s in system.reflectances})]
+    rt.feasible(system, palette, gamut, scales[0], cap=False)
+    one = max(seconds(lambda s=s: rt.feasible(system, palette, gamut, s, cap=False)) for s in scales)
+    both = benchmark.pedantic(lambda: seconds(lambda: rt.fit(system, palette, gamut, scales, cap=False)), rounds=3)
+    shading = seconds(lambda: rt.shade(system, palette))
+    report(f"feasible range, globe 512²: at most {one:.2f} s; fit of {len(scales)} scales: {both:.2f} s")
+    assert both <= 100 * shading

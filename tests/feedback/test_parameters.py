@@ -1,0 +1,150 @@
+"""What a pixel does along a parameter, MATHS §6, against shading the palette at each value of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from feedback.synthetic import MATTE, palette, system
+from scipy import sparse
+
+from symrt.feedback.along import along
+from symrt.feedback.parameters import Blend, Exposure, Scale, moved
+from symrt.spectra.bands import RGB
+from symrt.spectra.palette import Palette
+from symrt.spectra.shading import shade
+from symrt.system import Interaction, LinearSystem, Nodes
+
+IMAGE, COLOURS = system(), palette()
+PARAMETERS = [
+    Scale("key"),
+    Scale("fill"),
+    Scale("deep"),
+    Scale("brass"),
+    Scale("brass.specular"),
+    Scale("brass.mirror"),
+    Exposure(),
+    Blend("deep", "ice"),
+    Blend("upland", "shelf"),
+]
+
+
+def glossy_pair():
+    """Two materials of the same components, seen in each other's mirrors up to the third degree."""
+    random = np.random.default_rng(3)
+    names = ("a.diffuse", "a.mirror", "b.diffuse", "b.mirror")
+    met = {tuple(sorted(random.choice(names, random.integers(1, 4)))) for _ in range(12)}
+    columns = tuple(sorted(Interaction("key", m) for m in met))
+    coefficients = random.uniform(0, 0.5, (40, len(columns))) * (random.uniform(size=(40, len(columns))) < 0.3)
+    image = LinearSystem(sparse.csr_array(coefficients), columns, 5, 8, {"key": 0.5})
+    spectra = {name: random.uniform(0.1, 0.9, 36) for name in names}
+    return image, Palette(COLOURS.bands, {"key": 2.0, **spectra})
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=str)
+@pytest.mark.parametrize("t", [0.0, 0.25, 1.0])
+def test_the_polynomial_is_the_shaded_image_at_every_value(parameter, t):
+    line = along(IMAGE, COLOURS, parameter)
+    shaded = shade(IMAGE, moved(IMAGE, COLOURS, parameter, t)).values.reshape(-1, 36)
+    np.testing.assert_allclose(line.at(t), shaded, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("t", [1.7, 3.0])
+def test_scales_go_on_beyond_the_palette_given(t):
+    for parameter in (Scale("brass"), Scale("key"), Exposure()):
+        line = along(IMAGE, COLOURS, parameter)
+        shaded = shade(IMAGE, moved(IMAGE, COLOURS, parameter, t)).values.reshape(-1, 36)
+        np.testing.assert_allclose(line.at(t), shaded, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("parameter", [Scale("a"), Scale("a.mirror"), Blend("a", "b"), Blend("b", "a")], ids=str)
+def test_degrees_above_one_are_the_shaded_image_too(parameter):
+    image, colours = glossy_pair()
+    line = along(image, colours, parameter)
+    assert line.degree >= 2
+    for t in (0.0, 0.3, 0.8, 1.0):
+        shaded = shade(image, moved(image, colours, parameter, t)).values.reshape(-1, 36)
+        np.testing.assert_allclose(line.at(t), shaded, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=str)
+def test_touched_pixels_are_those_that_change(parameter):
+    line = along(IMAGE, COLOURS, parameter)
+    changes = ~np.isclose(line.at(0.2), line.at(0.9), rtol=1e-13, atol=0).all(axis=1)
+    assert np.array_equal(line.touched, changes)
+
+
+@pytest.mark.parametrize("parameter", PARAMETERS, ids=str)
+def test_no_coefficient_is_negative_because_no_interaction_is(parameter):
+    line = along(IMAGE, COLOURS, parameter)
+    assert not line.signed
+    assert line.coefficients(slice(None)).min() >= 0
+
+
+def test_degree_is_the_total_degree_of_what_moves():
+    degrees = {str(p): along(IMAGE, COLOURS, p).degree for p in PARAMETERS}
+    assert degrees["scale of key"] == degrees["scale of deep"] == degrees["scale of brass.specular"] == 1
+    # key*brass.diffuse*brass.mirror**2
+    assert degrees["scale of brass"] == 3
+    assert degrees["scale of brass.mirror"] == 2
+
+
+def test_a_blend_with_traced_alternatives_ends_at_the_other_material():
+    # Two pixels of sea; ice, of another model, shades the same points otherwise.
+    columns = (Interaction("key", ("sea.diffuse",)), Interaction("key", ("sea>ice.diffuse",)))
+    columns += (Interaction("key", ("sea>ice.specular",)),)
+    coefficients = np.array([[0.2, 0.2, 0.7], [0.3, 0.3, 0.0]])
+    models = {"sea": "lambert", "ice": "phong", "sea>ice": "phong"}
+    image = LinearSystem(sparse.csr_array(coefficients), columns, 1, 2, {"key": 0.5}, models=models)
+    colours = Palette(
+        RGB, {"key": 1.0, "sea.diffuse": [0.1, 0.2, 0.4], "ice.diffuse": [0.8, 0.9, 1.0], "ice.specular": 0.3}
+    )
+    line = along(image, colours, Blend("sea", "ice"))
+    np.testing.assert_allclose(line.at(0.0), coefficients[:, :1] * colours["sea.diffuse"], rtol=1e-15)
+    np.testing.assert_allclose(
+        line.at(1.0), coefficients[:, 1:2] * colours["ice.diffuse"] + coefficients[:, 2:] * 0.3, rtol=1e-15
+    )
+    shaded = shade(image, moved(image, colours, Blend("sea", "ice"), 0.4)).values.reshape(2, 3)
+    np.testing.assert_allclose(line.at(0.4), shaded, rtol=1e-12)
+
+
+def test_materials_that_differ_in_more_than_spectra_are_not_blended_silently():
+    with pytest.raises(ValueError, match=r'alternatives=\{"brass": \["deep"\]\}'):
+        along(IMAGE, COLOURS, Blend("brass", "deep"))
+    otherwise = replace(IMAGE, models={"deep": "lambert", "ice": "phong"})
+    with pytest.raises(ValueError, match=r"deep \(diffuse; lambert\) and ice \(diffuse; phong\) differ"):
+        along(otherwise, COLOURS, Blend("deep", "ice"))
+    with pytest.raises(ValueError, match="with itself"):
+        along(IMAGE, COLOURS, Blend("deep", "deep"))
+
+
+def test_misspelt_names_get_a_suggestion():
+    with pytest.raises(ValueError, match=r"'bras' \(did you mean 'brass'\?\)"):
+        along(IMAGE, COLOURS, Scale("bras"))
+    with pytest.raises(ValueError, match=r"no material is called 'deap' \(did you mean 'deep'\?\)"):
+        along(IMAGE, COLOURS, Blend("deap", "ice"))
+    with pytest.raises(ValueError, match=r"palette lacks 'ice.diffuse'"):
+        along(IMAGE, Palette(COLOURS.bands, {n: COLOURS[n] for n in COLOURS if n != "ice.diffuse"}), Scale("key"))
+
+
+def test_a_parameter_of_a_model_that_is_still_free_is_named():
+    nodes = Nodes("brass.exponent", 5.0, 80.0, 2)
+    columns = tuple(Interaction("key", ("brass.specular",), (("brass.exponent", j),)) for j in range(2))
+    image = LinearSystem(
+        sparse.csr_array(np.ones((1, 2))), columns, 1, 1, {"key": 0.5}, parameters={"brass.exponent": nodes}
+    )
+    with pytest.raises(ValueError, match=r"brass.exponent free: give values, collapse\(tree, values="):
+        along(image, COLOURS, Scale("key"))
+
+
+def test_a_palette_that_passes_one_says_so():
+    assert moved(IMAGE, COLOURS, Scale("ice"), 3.0).unphysical
+    assert not moved(IMAGE, COLOURS, Scale("ice"), 0.5).unphysical
+    assert not moved(IMAGE, COLOURS, Scale("key"), 3.0).unphysical
+
+
+def test_a_material_s_scale_moves_all_its_components_and_no_other():
+    doubled = moved(IMAGE, COLOURS, Scale("brass"), 2.0)
+    for name in COLOURS:
+        factor = 2.0 if name.startswith("brass.") else 1.0
+        np.testing.assert_array_equal(doubled[name], factor * COLOURS[name])
+    assert set(MATTE).isdisjoint(n.partition(".")[0] for n in COLOURS if n.startswith("brass."))

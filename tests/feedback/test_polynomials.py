@@ -1,0 +1,144 @@
+"""Roots and enclosures of polynomials, MATHS §6, against exact rationals and 50-digit roots."""
+
+from fractions import Fraction
+from math import comb
+
+import mpmath
+import numpy as np
+import pytest
+
+from symrt.feedback.clipping import clip_slabs
+from symrt.feedback.polynomials import highest, lowest, spans_inside
+
+PIXELS = 150
+UNIT = Fraction(1, 2**53)
+
+
+def draws(degree, seed=0):
+    random = np.random.default_rng(seed)
+    q = random.uniform(0, 1, (degree + 1, PIXELS, 5)) * 10 ** random.uniform(-6, 2, (degree + 1, PIXELS, 1))
+    q *= random.uniform(size=q.shape) < 0.8
+    q[0] *= 0.01
+    return q, random.uniform(0.2, 1, 5)
+
+
+def exactly(coefficients, t):
+    return sum(Fraction(float(c)) * Fraction(float(t)) ** k for k, c in enumerate(coefficients))
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_highest_is_inside_in_exact_arithmetic_and_meets_the_bound(degree):
+    q, upper = draws(degree)
+    found = highest(q, upper, 3.0)
+    bounds = [Fraction(float(u)) for u in upper]
+    for pixel in range(PIXELS):
+        if (q[0, pixel] > upper).any():
+            assert found[pixel] == -np.inf
+            continue
+        values = [exactly(q[:, pixel, s], found[pixel]) for s in range(5)]
+        assert all(value <= bound for value, bound in zip(values, bounds, strict=True))
+        # HARDCASES L1: the binding reflectance moves by at most 64u.
+        left = min((bound - value) / bound for value, bound in zip(values, bounds, strict=True))
+        assert found[pixel] == 3.0 or left <= 64 * UNIT
+    assert (found == 3.0).any()
+    assert ((found > 0) & (found < 3.0)).sum() > 50
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 5])
+def test_lowest_is_inside_in_exact_arithmetic_and_meets_the_bound(degree):
+    q, lower = draws(degree, seed=1)
+    lower = lower * 0.05
+    found = lowest(q, lower, 3.0)
+    bounds = [Fraction(float(b)) for b in lower]
+    for pixel in range(PIXELS):
+        if found[pixel] == np.inf:
+            assert any(exactly(q[:, pixel, s], 3.0) < bounds[s] for s in range(5))
+            continue
+        values = [exactly(q[:, pixel, s], found[pixel]) for s in range(5)]
+        assert all(value >= bound for value, bound in zip(values, bounds, strict=True))
+        left = min((value - bound) / bound for value, bound in zip(values, bounds, strict=True))
+        assert found[pixel] == 0 or left <= 64 * UNIT
+    assert np.isinf(found).any()
+    assert ((found > 0) & (found < 3.0)).sum() > 10
+
+
+def test_roots_agree_with_fifty_digits():
+    q, upper = draws(3, seed=4)
+    q[0] = 0
+    found = highest(q[:, :, :1], upper[:1], 1e6)
+    for pixel in np.flatnonzero((found > 0) & (found < 1e6))[:60]:
+        with mpmath.workdps(50):
+            terms = [mpmath.mpf(float(c)) for c in q[:, pixel, 0]]
+            terms[0] -= mpmath.mpf(float(upper[0]))
+            while not terms[-1]:
+                terms.pop()
+            roots = mpmath.polyroots(terms[::-1], maxsteps=500, extraprec=200)
+            truth = min(r.real for r in roots if abs(r.imag) < 1e-30 and r.real > 0)
+        assert found[pixel] == pytest.approx(float(truth), rel=1e-12)
+
+
+def test_a_degree_of_one_is_the_certified_clip():
+    q, upper = draws(1, seed=2)
+    q[0] = np.minimum(q[0], upper)
+    clipped = clip_slabs(np.full(5, -np.inf), upper, q[0], q[1])
+    t = highest(q, upper, 3.0)
+    # Equal in reflectance, not in t where the pixel starts close to the bound.
+    np.testing.assert_allclose(
+        q[0] + t[:, None] * q[1], q[0] + np.minimum(clipped.high, 3.0)[:, None] * q[1], rtol=1e-14
+    )
+
+
+def test_a_pixel_on_the_bound_stays_at_zero():
+    q = np.array([[[0.5, 0.25]], [[0.0, 0.1]], [[0.3, 0.0]]])
+    assert highest(q, np.array([0.5, 0.5]), 3.0)[0] == 0.0
+    assert lowest(q, np.array([0.5, 0.25]), 3.0)[0] == 0.0
+
+
+def test_multiple_roots_at_zero_are_reached():
+    q = np.array([[[0.0]], [[0.0]], [[0.0]], [[4.0]]])
+    assert highest(q, np.array([0.0]), 3.0)[0] == pytest.approx(0, abs=1e-12)
+    assert lowest(q, np.array([0.0]), 3.0)[0] == pytest.approx(0, abs=1e-12)
+
+
+def bernstein_at(b, t):
+    degree = len(b) - 1
+    return sum(comb(degree, k) * (1 - t) ** (degree - k) * t**k * Fraction(float(c)) for k, c in enumerate(b))
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+@pytest.mark.parametrize("within", [(0.0, 1.0), (0.125, 0.875), (0.1, 0.9)])
+def test_spans_are_the_parts_of_the_range_that_are_inside(degree, within):
+    random = np.random.default_rng(degree)
+    b = random.uniform(0, 1, (degree + 1, 60, 2))
+    lower, upper = np.array([0.25, 0.2]), np.array([0.7, 0.75])
+    found = spans_inside(b, lower, upper, within)
+    assert len(found.pixel) > 30
+    for t in np.linspace(*within, 57):
+        exact = [[bernstein_at(b[:, p, s], Fraction(float(t))) for s in range(2)] for p in range(60)]
+        truth = np.array([all(lower[s] <= v[s] <= upper[s] for s in range(2)) for v in exact])
+        close = np.array(
+            [min(abs(v[s] - bound) for s in range(2) for bound in (lower[s], upper[s])) < 1e-9 for v in exact]
+        )
+        held = np.isin(np.arange(60), found.pixel[(found.low <= t) & (t <= found.high)])
+        assert np.array_equal(held[~close], truth[~close])
+
+
+def test_ends_of_spans_are_inside_and_near_the_bounds():
+    random = np.random.default_rng(9)
+    b = random.uniform(0, 1, (3, 60, 2))
+    lower, upper = np.array([0.25, 0.2]), np.array([0.7, 0.75])
+    found = spans_inside(b, lower, upper, (0.0, 1.0))
+    for pixel, *ends in zip(*found, strict=True):
+        for t in ends:
+            values = [bernstein_at(b[:, pixel, s], Fraction(float(t))) for s in range(2)]
+            assert all(lower[s] <= values[s] <= upper[s] for s in range(2))
+            near = min(abs(values[s] - bound) for s in range(2) for bound in (lower[s], upper[s]))
+            assert t in (0.0, 1.0) or near < 1e-9
+
+
+def test_a_pixel_can_leave_and_come_back():
+    # (1 − t)² 0.5 + t² 0.5 is 0.25 at t = 0.5 and 0.3 at t = (1 ± 1/√5)/2.
+    found = spans_inside(np.array([[[0.5]], [[0.0]], [[0.5]]]), np.array([0.3]), np.array([1.0]), (0.0, 1.0))
+    assert found.pixel.tolist() == [0, 0]
+    assert found.high[0] == pytest.approx((1 - 5**-0.5) / 2, abs=1e-9)
+    assert found.low[1] == pytest.approx((1 + 5**-0.5) / 2, abs=1e-9)
