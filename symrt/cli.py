@@ -16,33 +16,16 @@ from typing import Annotated, Any, Literal
 import typer
 
 import symrt as rt
+from symrt.explore import options as option
 from symrt.explore.arguments import (
+    formula_of,
     gamut_of,
-    is_file,
     palette_of,
     parameter_of,
     scale_of,
     scene_of,
     system_of,
     writable,
-)
-from symrt.explore.options import (
-    AllowedOut,
-    BlackName,
-    Cap,
-    DeviceName,
-    Exposure,
-    Json,
-    ModelName,
-    PaletteFile,
-    PaletteName,
-    Parameters,
-    Plot,
-    Reference,
-    SceneFile,
-    Size,
-    Source,
-    Within,
 )
 from symrt.explore.writing import write_whole
 
@@ -103,7 +86,7 @@ def start(
 
 
 @app.command()
-def plan(scene: SceneFile, as_json: Json = False) -> None:
+def plan(scene: option.SceneFile, as_json: option.Json = False) -> None:
     """Which effects a scene calls for, and by what.
 
     Example: symrt plan globe
@@ -116,9 +99,9 @@ def plan(scene: SceneFile, as_json: Json = False) -> None:
 
 @app.command()
 def probe(
-    scene: SceneFile,
+    scene: option.SceneFile,
     rays: Annotated[int, typer.Option("--rays", help="About how many rays.")] = 4096,
-    as_json: Json = False,
+    as_json: option.Json = False,
 ) -> None:
     """What a few rays meet: lights, materials, bounces.
 
@@ -132,14 +115,14 @@ def probe(
 
 @app.command()
 def render(
-    scene: SceneFile,
+    scene: option.SceneFile,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Where the system goes; SCENE.npz if not given.")
     ] = None,
-    size: Size = None,
+    size: option.Size = None,
     samples: Annotated[int | None, typer.Option(help="n for n × n samples a pixel.")] = None,
     workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
-    as_json: Json = False,
+    as_json: option.Json = False,
 ) -> None:
     """Trace and collapse a scene into a linear system.
 
@@ -160,14 +143,14 @@ def render(
 
 @app.command()
 def formula(
-    source: Source,
+    source: option.Source,
     x: Annotated[int, typer.Option("--x", help="Column from the left, from 0.")],
     y: Annotated[int, typer.Option("--y", help="Row from the top, from 0.")],
     collapsed: Annotated[bool, typer.Option("--collapsed", help="After the collapse, also from a scene.")] = False,
     latex: Annotated[bool, typer.Option("--latex", help="As LaTeX.")] = False,
     python: Annotated[bool, typer.Option("--python", help="As a Python function, every digit kept.")] = False,
-    size: Size = None,
-    as_json: Json = False,
+    size: option.Size = None,
+    as_json: option.Json = False,
 ) -> None:
     """What one pixel says, as a formula.
 
@@ -175,7 +158,7 @@ def formula(
 
     Example: symrt formula globe --x 210 --y 140
     """
-    found = _formula(source, size, x, y, collapsed)
+    found = formula_of(source, size, x, y, collapsed)
     if as_json:
         record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
         typer.echo(_as_json(record | {"symbols": list(found.symbols), "values": dict(found.values)}))
@@ -185,13 +168,13 @@ def formula(
 
 @app.command()
 def shade(
-    source: Source,
+    source: option.Source,
     out: Annotated[Path | None, typer.Option("--out", "-o", help=".png, .tif, .npz or .exr.")] = None,
-    palette: PaletteName = None,
-    palettes: PaletteFile = None,
-    exposure: Exposure = 1.0,
-    reference: Reference = None,
-    size: Size = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    exposure: option.Exposure = 1.0,
+    reference: option.Reference = None,
+    size: option.Size = None,
 ) -> None:
     """Make a picture with a palette.
 
@@ -201,18 +184,19 @@ def shade(
     out = writable(out or Path(f"{Path(source).stem}.png"), *PICTURES)
     system = system_of(source, size)
     image = rt.shade(system, spectra)
-    _save(out, image, exposure, rt.Reference(reference).white(system, spectra))
+    white = rt.Reference(reference).white(system, spectra) if reference else None
+    rt.save_image(out, image, exposure=exposure, reference=white)
     typer.echo(f"{out}: {image!r}, shaded in {image.seconds:.3f} s")
 
 
 @app.command()
 def gamut(
     device: Annotated[str, typer.Argument(metavar="DEVICE", help="A device, or a gamut saved as .npz.")] = DEVICE,
-    model: ModelName = "envelope",
-    black: BlackName = "clip",
+    model: option.ModelName = None,
+    black: option.BlackName = None,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw its shadow and its slice (.png).")] = None,
-    as_json: Json = False,
+    as_json: option.Json = False,
 ) -> None:
     """Facts of a device's basis and gamut.
 
@@ -234,21 +218,21 @@ def gamut(
 
 @app.command()
 def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: Source,
-    parameter: Parameters,
-    palette: PaletteName = None,
-    palettes: PaletteFile = None,
-    within: Within = (0.01, 3.0),
-    allowed_out: AllowedOut = 0.0,
-    cap: Cap = True,
-    device: DeviceName = DEVICE,
-    model: ModelName = "envelope",
-    black: BlackName = "clip",
-    reference: Reference = None,
-    exposure: Exposure = 1.0,
-    size: Size = None,
-    plot: Plot = None,
-    as_json: Json = False,
+    source: option.Source,
+    parameter: option.Parameters,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    allowed_out: option.AllowedOut = 0.0,
+    cap: option.Cap = True,
+    device: option.DeviceName = DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    plot: option.Plot = None,
+    as_json: option.Json = False,
 ) -> None:
     """Which values of a parameter a device can print.
 
@@ -274,21 +258,21 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 
 @app.command()
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: Source,
-    parameter: Parameters,
+    source: option.Source,
+    parameter: option.Parameters,
     objective: Annotated[Literal["lightest", "darkest"], typer.Option(help="What is sought.")] = "lightest",
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
-    palette: PaletteName = None,
-    palettes: PaletteFile = None,
-    within: Within = (0.01, 3.0),
-    cap: Cap = True,
-    device: DeviceName = DEVICE,
-    model: ModelName = "envelope",
-    black: BlackName = "clip",
-    reference: Reference = None,
-    exposure: Exposure = 1.0,
-    size: Size = None,
-    as_json: Json = False,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    cap: option.Cap = True,
+    device: option.DeviceName = DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    as_json: option.Json = False,
 ) -> None:
     """The lightest or darkest picture it can print.
 
@@ -304,10 +288,12 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size)
-    options = {"objective": objective, "within": within, "cap": cap, "reference": seen}
+    options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     found = rt.fit(system, spectra, limits, scales, **options)
     if out is not None:
-        _save(out, rt.shade(system, found.palette), exposure, seen.white(system, spectra))
+        # A picture is seen as the fit was asked; other files hold the radiances as they are.
+        view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}
+        rt.save_image(out, rt.shade(system, found.palette), **view)
     typer.echo(_as_json(fit_record(found)) if as_json else repr(found))
 
 
@@ -337,22 +323,6 @@ def _refused(message: str) -> int:
     for line in message.splitlines():
         typer.echo(f"symrt: {line if len(line) <= LONGEST else line[:LONGEST] + '…'}", err=True)
     return BAD_INPUT
-
-
-def _formula(source: str, size: str | None, x: int, y: int, collapsed: bool) -> Any:
-    if is_file(source):
-        return rt.formula(system_of(source, size), x=x, y=y)
-    scene = scene_of(source, size)
-    before = rt.formula(scene, x=x, y=y)
-    if not collapsed:
-        return before
-    return rt.formula(rt.collapse(rt.trace(scene, window=(x, y, x + 1, y + 1))), x=0, y=0)
-
-
-def _save(path: Path, image: Any, exposure: float, white: Any) -> None:
-    """A picture as it is seen, or radiances as they are."""
-    seen = {"exposure": exposure, "reference": white} if path.suffix.lower() == ".png" else {}
-    rt.save_image(path, image, **seen)
 
 
 def _as_json(record: Any) -> str:

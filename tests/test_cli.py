@@ -87,7 +87,9 @@ BAD_WORDS = [
     ["gamut", "--model", "hull"],
     ["gamut", "--black", "nope"],
     ["gamut", "--plot", "gamut.gif"],
+    ["shade", "first", *SMALL, "--palette", "plain", "--out", "first.npz", "--exposure", "2"],
     ["feasible", "first", "--palette", "plain"],
+    ["feasible", "globe", *SMALL, "--palette", "macbeth", "-p", "blend:upland:ice", "--within", "0", "3"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "red"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:blue"],
@@ -264,6 +266,8 @@ def test_gamut_facts_are_the_librarys(run, tmp_path):
     assert rt.load_gamut(tmp_path / "g.npz").name == gamut.name
     assert written(tmp_path) == ["g.npz", "g.png"]
     assert "modelled" in run("gamut", "g.npz")[1]
+    code, out, err = run("gamut", "g.npz", "--model", "unit")
+    assert (code, out, err.count("\n")) == (2, "", 1)
 
 
 def test_feasible_answers_as_the_library_does(run, tmp_path, system):
@@ -303,6 +307,25 @@ def test_feasible_answers_as_the_library_does(run, tmp_path, system):
     assert (tmp_path / "ranges.png").stat().st_size > 10_000
     text = run("feasible", "first.npz", *asked)[1]
     assert "reference sun, exposure 1" in text
+
+
+def test_blends_are_rendered_with_the_columns_that_they_need(run):
+    words = [
+        "feasible",
+        "globe",
+        *SMALL,
+        "--palette",
+        "macbeth",
+        "-p",
+        "blend:upland:ice",
+        "-p",
+        "blend:deep:ice",
+        "--json",
+    ]
+    records = json.loads(run(*words)[1])
+    assert [record["within"] for record in records] == [[0, 1], [0, 1]]
+    assert [record["parameter"] for record in records] == ["blend from upland to ice", "blend from deep to ice"]
+    assert all(record["intervals"] for record in records)
 
 
 def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, system):

@@ -15,12 +15,14 @@ from symrt.errors import shown, suggestion
 if TYPE_CHECKING:
     from symrt.feedback.parameters import Parameter, Scale
     from symrt.gamut.slabs import Gamut
+    from symrt.linear.formulas import Formula
     from symrt.scene.records import Scene
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
 
 __all__ = [
     "alternatives_of",
+    "formula_of",
     "gamut_of",
     "is_file",
     "palette_of",
@@ -114,9 +116,24 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
     return palettes[name]
 
 
-def gamut_of(word: str, model: str = "envelope", black: str = "clip") -> "Gamut":
-    """A saved gamut, or the gamut of a device by name."""
-    return rt.load_gamut(word) if is_file(word) else rt.device_gamut(rt.load_device(word), model=model, black=black)
+def gamut_of(word: str, model: str | None = None, black: str | None = None) -> "Gamut":
+    """A saved gamut, or the gamut of a device by name: its envelope with black clipped, if nothing else is said."""
+    if not is_file(word):
+        return rt.device_gamut(rt.load_device(word), model=model or "envelope", black=black or "clip")
+    if model or black:
+        raise ValueError(f"{word}: a saved gamut has its model and its way with black: leave out --model and --black")
+    return rt.load_gamut(word)
+
+
+def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -> "Formula":
+    """A pixel's formula: of a scene with the geometry in letters or collapsed, of a system the linear form."""
+    if is_file(source):
+        return rt.formula(system_of(source, size), x=x, y=y)
+    scene = scene_of(source, size)
+    before = rt.formula(scene, x=x, y=y)
+    if not collapsed:
+        return before
+    return rt.formula(rt.collapse(rt.trace(scene, window=(x, y, x + 1, y + 1))), x=0, y=0)
 
 
 def parameter_of(word: str) -> "Parameter":

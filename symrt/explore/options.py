@@ -35,9 +35,16 @@ Reference = Annotated[
     typer.Option("--reference", help="White of a light, equal-energy, illuminant/...; else the key light's."),
 ]
 DeviceName = Annotated[str, typer.Option("--device", help="A device, or a gamut saved as .npz.")]
-ModelName = Annotated[Literal["unit", "envelope"], typer.Option("--model", help="Which gamut of the device.")]
-BlackName = Annotated[Literal["clip", "luminance", "strict"], typer.Option("--black", help="What becomes of the dark.")]
-Within = Annotated[tuple[float, float], typer.Option("--within", help="Least and largest value looked at.")]
+ModelName = Annotated[
+    Literal["unit", "envelope"] | None, typer.Option("--model", help="Which gamut of the device: the envelope.")
+]
+BlackName = Annotated[
+    Literal["clip", "luminance", "strict"] | None, typer.Option("--black", help="What becomes of the dark: clip.")
+]
+Within = Annotated[
+    tuple[float, float] | None,
+    typer.Option("--within", help="Least and largest value looked at: 0.01 3, for a blend 0 1."),
+]
 Parameters = Annotated[
     list[str], typer.Option("--parameter", "-p", help="scale:NAME or blend:FROM:TO; may be repeated.")
 ]
