@@ -97,9 +97,9 @@ def lightest(task: Task) -> Filled:
             stopped = _stopped(task, values, free, line, End("upper", int(touched[limit.argmin()])), level)
         elif capped.value <= level < high:
             why = Reason("cap", band=capped.band, symbol=capped.symbol)
-            stopped = {n: why for n in free if task.symbols[n] & capped.symbols}
+            stopped = {n: why for n in sorted(free) if task.symbols[n] & capped.symbols}
         elif level >= high:
-            stopped = dict.fromkeys(free, Reason("range"))
+            stopped = dict.fromkeys(sorted(free), Reason("range"))
         values |= dict.fromkeys(stopped, level)
         reasons |= stopped
     return Filled(values, reasons, unfixable)
@@ -145,7 +145,7 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
             pixel = int(touched[limit == level][0])
             reasons |= _stopped(task, others, sinking, line, End("dark", pixel), level)
         elif level <= low:
-            reasons |= dict.fromkeys(free, Reason("range"))
+            reasons |= dict.fromkeys(sorted(free), Reason("range"))
     return replace(first, values=values, reasons=reasons, lit=rows)
 
 

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from symrt.arrays import Spectrum
-from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, caption, headline, wrapped
+from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, Drawing, caption, headline, wrapped
 from symrt.feedback.along import along
 from symrt.feedback.limits import Limits, limits
 from symrt.feedback.reasons import Feasible
@@ -37,11 +37,11 @@ def ranges_figure(
     palette: Palette,
     gamut: Gamut,
     reference: Reference | None = None,
-) -> Figure:
+) -> Drawing:
     """Feasible ranges as bars, and beside each the spectrum of the pixel that stops it, against the gamut's bound."""
     asked = limits(system, palette, gamut, reference)
     height = ROW * len(ranges) + 2.1
-    figure = Figure(figsize=(12.0, height), facecolor="white")
+    figure = Drawing(figsize=(12.0, height), facecolor="white")
     headline(figure, f"Feasible ranges: {gamut.name}")
     foot, body = 1.35 / height, ROW * len(ranges) / height
     bars = figure.add_axes((0.17, foot, 0.36, body))
@@ -120,7 +120,7 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
 
 def out_of_gamut_map(
     system: LinearSystem, palette: Palette, gamut: Gamut, reference: Reference | None = None
-) -> Figure:
+) -> Drawing:
     """The picture in grey, with the pixels that are outside the gamut, and those darker than its black, in colour."""
     asked = limits(system, palette, gamut, reference)
     exposure = reference.exposure if reference else 1.0
@@ -129,7 +129,7 @@ def out_of_gamut_map(
     for mask, colour in ((bright, ABOVE), (dark, BELOW)):
         picture[mask] = 0.35 * picture[mask] + 0.65 * np.array(to_rgb(colour))
     shape = system.width / system.height
-    figure = Figure(figsize=(7.2, 6.9 / shape + 1.3), facecolor="white")
+    figure = Drawing(figsize=(7.2, 6.9 / shape + 1.3), facecolor="white")
     axes = figure.add_axes((0.02, 0.75 / figure.get_figheight(), 0.96, 1 - 1.3 / figure.get_figheight()))
     axes.imshow(picture, interpolation="nearest")
     axes.set_axis_off()
@@ -144,9 +144,9 @@ def out_of_gamut_map(
     return figure
 
 
-def curve_figure(found: Feasible) -> Figure:
+def curve_figure(found: Feasible) -> Drawing:
     """The share of pixels outside the gamut against the value of a parameter, and the range that keeps it allowed."""
-    figure = Figure(figsize=(8.0, 4.6), facecolor="white")
+    figure = Drawing(figsize=(8.0, 4.6), facecolor="white")
     axes = figure.add_axes((0.1, 0.27, 0.86, 0.6))
     low, high = found.within
     inner = found.curve.values[(found.curve.values > low) & (found.curve.values < high)]

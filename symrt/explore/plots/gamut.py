@@ -16,7 +16,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from symrt.explore.plots.style import GREY, HAIR, INK, NAME, caption, headline, wrapped
+from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
 from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
 from symrt.explore.solid import Facet, View, facets, facing, outline, spread
 from symrt.gamut.slabs import Gamut
@@ -61,7 +61,7 @@ def gamut_figure(
     light: str | None = None,
     within: tuple[Number, Number] = (0.01, 3.0),
     exposure: Number = 1.0,
-) -> Figure:
+) -> Drawing:
     """The gamut's shadow in three components, with segments of scaled and of blended materials: the paper's Figure 1.
 
     Parameters
@@ -87,7 +87,7 @@ def gamut_figure(
     light = palette.lights[0] if light is None else light
     scaled = scale_segments(gamut, palette, materials, palette[light], within, exposure)
     blended = blend_segments(gamut, palette, materials, palette[light], exposure)
-    figure = Figure(figsize=(12.0, 7.2), facecolor="white")
+    figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(gamut))
     paper, solid = Paper(View(), gamut.basis.vectors[:3]), gamut.shadow(3).polyhedron()
     left, right = (_panel(figure, gamut, solid, paper, side) for side in (0, 1))
@@ -108,7 +108,7 @@ def gamut_figure(
     return figure
 
 
-def solids_figure(gamut: Gamut) -> Figure:
+def solids_figure(gamut: Gamut) -> Drawing:
     """A gamut in three components: its shadow, which covers all of it, and its slice, where the others are zero.
 
     Examples
@@ -117,7 +117,7 @@ def solids_figure(gamut: Gamut) -> Figure:
     >>> solids_figure(device_gamut(load_device("dye3-endura-premier"))).get_suptitle()
     'Spectral gamut, 3 of 36 components: unit gamut (0 … 1), black clipped'
     """
-    figure = Figure(figsize=(12.0, 7.2), facecolor="white")
+    figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(gamut))
     paper = Paper(View(), gamut.basis.vectors[:3])
     solids = (("shadow", gamut.shadow(3).polyhedron()), ("slice", gamut.slice(3).polyhedron()))

@@ -7,13 +7,33 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-__all__ = ["ABOVE", "BELOW", "FEASIBLE", "GREY", "HAIR", "INK", "NAME", "caption", "headline", "png", "wrapped"]
+__all__ = [
+    "ABOVE",
+    "BELOW",
+    "FEASIBLE",
+    "GREY",
+    "HAIR",
+    "INK",
+    "NAME",
+    "Drawing",
+    "caption",
+    "headline",
+    "png",
+    "wrapped",
+]
 
 INK, GREY, HAIR = "#1a1a1a", "#5f646b", "#9aa3b0"
 ABOVE, BELOW, FEASIBLE = "#D55E00", "#0072B2", "#009E73"
 """Vermilion, blue and bluish green of Okabe and Ito's set, which colour-blind readers can tell apart."""
 NAME: dict[str, Any] = {"color": INK, "zorder": 8, "path_effects": [withStroke(linewidth=2.5, foreground="white")]}
 """How a name is written over lines: with a white rim."""
+
+
+class Drawing(Figure):
+    """A figure that shows itself in a notebook, with or without matplotlib's own machinery for that."""
+
+    def _repr_png_(self) -> bytes:
+        return png(self, dpi=96)
 
 
 def png(figure: Figure, dpi: int = 160) -> bytes:
