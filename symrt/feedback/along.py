@@ -66,7 +66,8 @@ class Along:
 
     def coefficients(self, rows: slice) -> Float[np.ndarray, "power pixel band"]:
         """The spectra q_k, or b_k, of some pixels."""
-        return np.stack([G[rows] @ spectra for G, spectra in self.parts])
+        taken = self._rows(rows)
+        return np.stack([taken[id(G)] @ spectra for G, spectra in self.parts])
 
     def at(self, t: Number, rows: slice = slice(None)) -> Float[np.ndarray, "pixel band"]:
         """The pixels at one value of the parameter."""
@@ -78,8 +79,19 @@ class Along:
 
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Int[np.ndarray, " row"]) -> "Along":
         """Some of the pixels, each spectrum times a matrix."""
-        parts = tuple((G[rows], spectra @ matrix) for G, spectra in self.parts)
-        return replace(self, parts=parts, degrees=self.degrees[rows], terms=self.terms + len(matrix))
+        taken = self._rows(rows)
+        added = int((matrix != 0).sum(axis=0).max(initial=0))
+        return replace(
+            self,
+            parts=tuple((taken[id(G)], spectra @ matrix) for G, spectra in self.parts),
+            degrees=self.degrees[rows],
+            terms=self.terms + added,
+        )
+
+    def _rows(self, rows: slice | Int[np.ndarray, " row"]) -> dict[int, sparse.csr_array]:
+        """Rows of each part of G; a blend's parts are all of G, which is cut once."""
+        parts = {id(G): G for G, _ in self.parts}
+        return {key: G[rows] for key, G in parts.items()}
 
 
 def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along:
@@ -121,7 +133,9 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
     changing = (degrees > 0) & (spectra.any(axis=(1, 2)) if power else (spectra != spectra[:, :1]).any(axis=(1, 2)))
     return Along(
         form="power" if power else "bernstein",
-        parts=tuple((system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)),
+        parts=tuple(
+            (system.G if c.all() else system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)
+        ),
         degrees=_degrees(system, np.where(changing, degrees, 0)),
         terms=int(np.diff(system.G.indptr).max(initial=0))
         + max((i.degree for i in system.interactions), default=0)

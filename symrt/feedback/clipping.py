@@ -4,10 +4,10 @@ Changing one parameter ``t`` moves a pixel along ``origin + t direction``.  A sl
 ``t`` between ``(lower - origin) / direction`` and ``(upper - origin) / direction``, **closed**; where the direction is
 zero it allows all or nothing.  A pixel's interval is the intersection over its slabs [1]_.
 
-The rounded quotient lies outside the gamut, in exact arithmetic, in more than half of all clips.  But a difference, a
-reciprocal and a product of floats are each off by at most a factor 1 ± u, u = 2⁻⁵³, so that moving an end inwards by 4u
-of its size puts it back inside, and the spectrum there moves by less than 64u.  What this leaves undecided, an interval
-narrower than that, is decided in exact rationals.
+The rounded quotient lies outside the gamut, in exact arithmetic, in more than half of all clips.  But a difference and
+a quotient of floats are each off by at most a factor 1 ± u, u = 2⁻⁵³, so that moving an end inwards by 4u of its size
+puts it back inside, and the spectrum there moves by less than 64u.  What this leaves undecided, an interval narrower
+than that, is decided in exact rationals.
 
 References
 ----------
@@ -28,11 +28,11 @@ __all__ = ["Interval", "blocking", "clip", "clip_slabs"]
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
 INWARD = 2.0**-51
-"""4u, because (1 + u)⁴ (1 − 4u) < 1: reciprocal, difference, product, and the rounding of the move itself."""
+"""4u, because (1 + u)³ (1 − 4u) < 1: difference, quotient, and the rounding of the move itself."""
 SAFE = 2.0**200
 """Differences and quotients of numbers between 1/SAFE and SAFE neither overflow nor vanish."""
 TINY = 2.0**-600
-"""An origin that is not zero and smaller than this may make a quotient vanish."""
+"""Ends smaller than this may have lost digits, or vanished, if an origin is tiny."""
 STEPS = 2.0**-1072
 """Below the normal numbers an error of 4u is not relative; four of the smallest steps there cover it."""
 
@@ -69,7 +69,7 @@ class Interval:
 class _Scratch(NamedTuple):
     """Room for a tile, used again for the next, so that it stays in cache."""
 
-    inverse: Lines
+    first: Lines
     near: Lines
     far: Lines
 
@@ -157,26 +157,24 @@ def _quotients(
     lower: Bounds, upper: Bounds, q: Lines, d: Lines, scratch: _Scratch, low: Ends, high: Ends
 ) -> Bool[np.ndarray, " pixel"]:
     """Write the ends of a tile's intervals, unmoved; say for which pixels they cannot be relied on."""
-    inverse, near, far = scratch
-    everywhere = np.ones(len(q), dtype=bool)
-    if not (_largest(q) < SAFE and _largest(d) < SAFE):  # nan fails the test, too
-        return everywhere
-    np.divide(1.0, d, out=inverse)
-    if not _largest(inverse) < SAFE and _smallest(d, near) < 1 / SAFE:
-        return everywhere
-    np.subtract(lower, q, out=near)
-    np.multiply(near, inverse, out=near)
-    np.subtract(upper, q, out=far)
-    np.multiply(far, inverse, out=far)
-    np.minimum(near, far, out=inverse)
+    first, near, far = scratch
+    if not _largest(d) < SAFE:  # nan fails the test, too
+        return np.ones(len(q), dtype=bool)
+    for bound, ends in ((lower, near), (upper, far)):
+        np.subtract(bound, q, out=ends)
+        np.divide(ends, d, out=ends)
+    np.minimum(near, far, out=first)
     np.maximum(near, far, out=far)
-    inverse.max(axis=1, out=low)
+    first.max(axis=1, out=low)
     far.min(axis=1, out=high)
-    # nan stands for 0 · inf: parallel to a slab and on its face.
+    # nan stands for 0 / 0: parallel to a slab and on its face.
     careful = np.isnan(low) | np.isnan(high)
     small = (np.abs(low) < TINY) | (np.abs(high) < TINY)
-    if small.any() and _smallest(q, near) < TINY:
+    if small.any() and _smallest(q, near) < TINY * SAFE:
         careful |= small
+    endless = np.isinf(low) | np.isinf(high)
+    if endless.any() and (_smallest(d, near) < 1 / SAFE or not _largest(q) < SAFE):
+        careful |= endless
     return careful
 
 
@@ -190,10 +188,9 @@ def _scaled_quotients(
     """
     room = np.maximum(np.abs(q), np.maximum(_finite(lower), _finite(upper)))
     scale, (mantissa, exponent) = np.frexp(room)[1], np.frexp(d)
-    inverse = 1.0 / mantissa
     shifted = np.ldexp(q, -scale)
-    at_lower = (np.ldexp(lower, -scale) - shifted) * inverse
-    at_upper = (np.ldexp(upper, -scale) - shifted) * inverse
+    at_lower = (np.ldexp(lower, -scale) - shifted) / mantissa
+    at_upper = (np.ldexp(upper, -scale) - shifted) / mantissa
     near, near_lost = _unscaled(np.minimum(at_lower, at_upper), scale - exponent, np.inf)
     far, far_lost = _unscaled(np.maximum(at_lower, at_upper), scale - exponent, -np.inf)
     # A line parallel to a slab never crosses it: the slab allows all of the line or none.

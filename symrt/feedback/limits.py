@@ -17,6 +17,7 @@ from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, whites
+from symrt.spectra.shading import tail_bound
 from symrt.system import LinearSystem
 
 __all__ = ["Bound", "Limits", "limits"]
@@ -61,6 +62,8 @@ class Limits:
         Bands that the reference white does not light.
     reference
         The reference and the exposure, in words.
+    cut_off
+        A bound on the reflectance that the depth limit left out of any pixel, and of every result.
     """
 
     gamut: Gamut
@@ -70,6 +73,7 @@ class Limits:
     blackest: float
     masked: Bool[np.ndarray, " band"]
     reference: str
+    cut_off: float = 0.0
 
     @property
     def bands(self) -> Bands:
@@ -83,7 +87,8 @@ class Limits:
         modelled = f"; {device.title}" if device.modelled else ""
         labels = [label for label, hidden in zip(self.bands.labels, self.masked, strict=True) if hidden]
         masked = f"; not lit and left out: {', '.join(labels)}" if labels else ""
-        return f"{self.gamut.name} ({self.gamut.label}{modelled}); {self.reference}{masked}"
+        cut = f"; the depth limit left out at most {self.cut_off:.2g} of a pixel" if self.cut_off else ""
+        return f"{self.gamut.name} ({self.gamut.label}{modelled}); {self.reference}{masked}{cut}"
 
 
 def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Reference | None = None) -> Limits:
@@ -120,6 +125,7 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
     shown = np.zeros(len(white))
     shown[visible] = reference.exposure / white[visible]
     reflected = np.diag(shown)[:, visible]
+    left_out = None if system.tail is None else tail_bound(system.tail, palette)[visible] * shown[visible]
     return Limits(
         gamut=gamut,
         upper=Bound(reflected, np.full(len(visible), -np.inf), gamut.upper[visible], visible),
@@ -128,6 +134,7 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
         blackest=float((gamut.device.samples @ weights).min()),
         masked=shown == 0,
         reference=f"reference {name}, exposure {reference.exposure:g}",
+        cut_off=0.0 if left_out is None else float(left_out.max()),
     )
 
 

@@ -20,7 +20,7 @@ from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import gamma, shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import Interaction, LinearSystem, Tail
 
 DEVICE = load_device("dye3-endura-premier")
 IMAGE, COLOURS = system(), palette()
@@ -180,6 +180,15 @@ def test_bands_that_the_reference_does_not_light_are_left_out_and_named():
     found = feasible(IMAGE, COLOURS.replace(key=dark), UNIT, Scale("key"), within=(0.01, 100))
     assert "not lit and left out: 380 nm, 390 nm, 400 nm" in found.note
     assert found.reasons[0][1].band not in ("380 nm", "390 nm", "400 nm")
+
+
+def test_what_the_depth_limit_left_out_is_said():
+    # A last mirror of reflectance 0.5 would add at most 0.01 · 2 · 0.5 / (1 − 0.5) of radiance, on a white of 1.
+    columns = (Interaction("key", ("a.mirror",)),)
+    tail = Tail(sparse.csr_array([[0.01]]), columns)
+    image = LinearSystem(sparse.csr_array([[0.1]]), columns, 1, 1, {"key": 0.5}, tail=tail)
+    found = feasible(image, Palette(BANDS, {"key": 2.0, "a.mirror": 0.5}), UNIT, Scale("key"))
+    assert "the depth limit left out at most 0.02 of a pixel" in found.note
 
 
 def test_the_physical_cap_holds_unless_it_is_switched_off():
