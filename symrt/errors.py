@@ -10,7 +10,7 @@ from collections.abc import Iterable
 __all__ = ["NAME", "SceneError", "refuse", "shown", "suggestion"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-"""What lights, materials and textures may be called (DESIGN, Scenes)."""
+"""What lights, materials and textures may be called."""
 
 
 class SceneError(ValueError):

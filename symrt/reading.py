@@ -1,6 +1,6 @@
 """Reading what others wrote: TOML files, and the paths they name, trusted with nothing.
 
-Two readers share a scene file, one on each side of the waist (DESIGN, Scenes); both begin here.
+Two readers share a scene file, one on each side of the waist; both begin here.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The command line says what the library says, and ends bad input in one line (issue 2; HARDCASES, Faults)."""
+"""The command line says what the library says, and ends bad input in one line."""
 
 import json
 import os
@@ -260,7 +260,7 @@ def test_gamut_facts_are_the_librarys(run, tmp_path):
     record = json.loads(run("gamut", "dye3-endura-premier", "--save", "g.npz", "--plot", "g.png", "--json")[1])
     gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
     assert record["gamut"] == gamut.name
-    assert record["every entry of the first component"] == 1 / 6  # MATHS §4: K = 36 gives 1/6
+    assert record["every entry of the first component"] == 1 / 6  # the paper, §2.1: k = 1/36^(1/2)
     assert record["cosine of the free first component with it"] == gamut.basis.cosine
     assert record["volume of the slice in 3 components"] < record["volume of the shadow in 3 components"]
     assert rt.load_gamut(tmp_path / "g.npz").name == gamut.name

@@ -40,7 +40,7 @@ def test_a_scene_without_changes_is_the_one_in_the_file():
 
 
 def test_a_blend_of_unlike_materials_asks_for_the_columns_that_it_needs():
-    # MATHS §6: where models differ, trace(scene, alternatives={"sea": ["ice"]}) adds the missing columns.
+    # Where models differ, trace(scene, alternatives={"sea": ["ice"]}) adds the missing columns.
     scene = scene_of("globe", "16")
     unlike, alike = rt.Blend("deep", "ice"), rt.Blend("upland", "ice")
     assert alternatives_of(scene, [unlike, alike, rt.Scale("deep"), unlike]) == {"deep": ["ice"]}

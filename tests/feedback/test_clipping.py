@@ -1,4 +1,4 @@
-"""Certified clipping, MATHS §6 and HARDCASES L1-L5, against exact rationals (oracle Q) and a linear programme."""
+"""Certified clipping, against exact rationals and a linear programme."""
 
 from fractions import Fraction
 
@@ -86,7 +86,7 @@ def test_the_binding_reflectance_moves_by_at_most_64_rounding_errors():
 
 
 def test_the_plain_quotient_would_not_pass():
-    """Half of the plain quotients are outside (MATHS §6: 51-76 %): the test above can fail."""
+    """Half of the plain quotients are outside (51-76 % were seen): the test above can fail."""
     random = np.random.default_rng(12)
     origin, direction = random.uniform(0, 0.5, (300, 12)), random.normal(size=(300, 12))
     high = np.maximum((0 - origin) / direction, (1 - origin) / direction).min(axis=1)

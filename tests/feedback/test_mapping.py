@@ -1,4 +1,4 @@
-"""Filling, MATHS §7: order-independent, inside, and as light, or as dark, as can be."""
+"""Filling: order-independent, inside, and as light, or as dark, as can be."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -51,7 +51,7 @@ def test_the_order_of_the_scales_does_not_matter(objective, black):
 
 
 def test_limits_found_one_after_another_would_depend_on_the_order():
-    """MATHS §7: the reason for filling; the test above can fail."""
+    """The reason for filling: the test above can fail."""
 
     def one_after_another(order):
         colours, values = COLOURS, {}

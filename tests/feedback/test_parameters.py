@@ -1,4 +1,4 @@
-"""What a pixel does along a parameter, MATHS §6, against shading the palette at each value of it."""
+"""What a pixel does along a parameter, against shading the palette at each value of it."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Roots and enclosures of polynomials, MATHS §6, against exact rationals and 50-digit roots."""
+"""Roots and enclosures of polynomials, against exact rationals and 50-digit roots."""
 
 from fractions import Fraction
 from math import comb
@@ -37,7 +37,7 @@ def test_highest_is_inside_in_exact_arithmetic_and_meets_the_bound(degree):
             continue
         values = [exactly(q[:, pixel, s], found[pixel]) for s in range(5)]
         assert all(value <= bound for value, bound in zip(values, bounds, strict=True))
-        # HARDCASES L1: the binding reflectance moves by at most 64u.
+        # The binding reflectance moves by at most 64u.
         left = min((bound - value) / bound for value, bound in zip(values, bounds, strict=True))
         assert found[pixel] == 3.0 or left <= 64 * UNIT
     assert (found == 3.0).any()

@@ -1,4 +1,4 @@
-"""Feasible ranges, MATHS §6, against shading at their ends, counting, exact rationals and a linear programme."""
+"""Feasible ranges, against shading at their ends, counting, exact rationals and a linear programme."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The spectral basis of MATHS §4, against exact rationals and closed forms."""
+"""The spectral basis (the paper, §2.1), against exact rationals and closed forms."""
 
 import numpy as np
 import pytest

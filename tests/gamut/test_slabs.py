@@ -1,4 +1,4 @@
-"""Gamuts of MATHS §5: membership, support, nearest, against definitions and linear programmes."""
+"""Gamuts of slabs: membership, support, nearest, against definitions and linear programmes."""
 
 import numpy as np
 import pytest

@@ -593,7 +593,7 @@ CANARY = "__import__('symrt_canary').sing()"
 
 
 def test_no_name_or_text_of_a_file_reaches_an_evaluator(tmp_path, monkeypatch):
-    """A canary in every field that takes text (HARDCASES S3): whoever evaluates it imports a module."""
+    """A canary in every field that takes text: whoever evaluates it imports a module."""
     (tmp_path / "symrt_canary.py").write_text("def sing(): ...")
     monkeypatch.syspath_prepend(tmp_path)
     fields = {

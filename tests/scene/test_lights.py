@@ -45,10 +45,10 @@ def test_a_point_at_the_light_is_dark_and_not_nan():
 
 
 def test_white_is_what_a_diffuser_that_faces_the_light_sends_on():
-    # DESIGN, Scenes: a point light of intensity I gives I cosθ/d²; a diffuser sends on 1/π of its irradiance.
+    # A point light of intensity I gives I cosθ/d²; a diffuser sends on 1/π of its irradiance.
     assert white(PointLight("a", position=(0, 5, 0)), (0, 1, 0)) == pytest.approx(1 / (16 * math.pi), rel=1e-15)
     assert white(DirectionalLight("b", direction=(0, -7, 0)), (9, 9, 9)) == 1 / math.pi
-    # MATHS §2: ambient light of radiance L contributes ρ L.
+    # Ambient light of radiance L contributes ρ L.
     assert white(AmbientLight("c"), (0, 0, 0)) == 1
 
 

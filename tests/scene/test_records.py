@@ -177,7 +177,7 @@ def test_a_scene_shows_itself_with_everything_escaped():
 
 
 def test_reading_a_scene_loads_no_heavy_library():
-    """LIBRARIES, traps: colour takes 1.2 s and trimesh 0.6 s to import; a scene needs neither until it is traced."""
+    """Colour takes 1.2 s and trimesh 0.6 s to import; a scene needs neither until it is traced."""
     code = (
         "import symrt.scene, sys; symrt.scene.load_scene('first'); print([m for m in sys.argv[1:] if m in sys.modules])"
     )
