@@ -27,6 +27,7 @@ __all__ = [
     "is_file",
     "palette_of",
     "parameter_of",
+    "scale_of",
     "scene_of",
     "size_of",
     "system_of",
