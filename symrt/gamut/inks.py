@@ -7,6 +7,7 @@ from symrt.gamut.charts import load_chart
 from symrt.gamut.device import Device, reflectance
 from symrt.gamut.dyes import dye_device, dye_devices
 from symrt.gamut.halftone import synthetic_device, synthetic_devices
+from symrt.gamut.monitor import Monitor, load_monitor, monitors
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import did_you_mean
 
@@ -21,11 +22,11 @@ def devices() -> tuple[str, ...]:
     >>> {"dye3-endura-premier", "synthetic-cmyk"} <= set(devices())
     True
     """
-    return (*dye_devices(), *synthetic_devices())
+    return (*dye_devices(), *synthetic_devices(), *monitors())
 
 
-def load_device(name: str | Path, bands: Bands | None = None) -> Device:
-    """A printer by name, or the one that printed a measured chart.
+def load_device(name: str | Path, bands: Bands | None = None) -> Device | Monitor:
+    """A printer or a monitor by name, or the printer of a measured chart.
 
     Parameters
     ----------
@@ -52,6 +53,8 @@ def load_device(name: str | Path, bands: Bands | None = None) -> Device:
         return dye_device(str(name), bands)
     if name in synthetic_devices():
         return synthetic_device(str(name), bands)
+    if name in monitors():
+        return load_monitor(str(name), bands)
     if isinstance(name, Path) or Path(name).suffix or len(Path(name).parts) > 1:
         chart = load_chart(name)
         return chart.on(bands) if bands else chart

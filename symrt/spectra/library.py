@@ -157,6 +157,19 @@ def observer() -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
     return np.asarray(cmfs.wavelengths, float), np.asarray(cmfs.values, float)
 
 
+def display_primaries(name: str) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "3 n"]]:
+    """Wavelengths and spectra of the red, green and blue of a display, under colour-science's name for it.
+
+    Examples
+    --------
+    >>> nm, primaries = display_primaries("Apple Studio Display")
+    >>> nm[primaries.argmax(axis=1)].tolist()
+    [615.0, 540.0, 435.0]
+    """
+    table = colour_science().MSDS_DISPLAY_PRIMARIES[name]
+    return np.asarray(table.wavelengths, float), np.asarray(table.values, float).T
+
+
 def colour_difference(one: Float[np.ndarray, "n 3"], other: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """CIEDE2000 between colours in L*a*b*.
 

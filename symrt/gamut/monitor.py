@@ -1,0 +1,237 @@
+"""Monitors: the colours that three primaries mix, a gamut for step 4 of the paper.
+
+A radiance p, exposed by e, is shown if its drive values ``a = M⁻¹ XYZ(e p)`` lie in [0, 1].  The columns of M are the XYZ
+of the primaries [1]_, [2]_, with their white at luminance 1.  Nothing is divided by the reference white's spectrum, only
+by its luminance: a monitor does not adapt.  The set is a parallelepiped in colour space; being inside is necessary and
+sufficient for the same *colour*, and says nothing of the spectrum.
+
+References
+----------
+.. [1] G. M. Machado, "A model for simulation of color vision deficiency", UFRGS 2010: Brainard's tube.
+.. [2] M. Fairchild and D. Wyble, "Colorimetric characterization of the Apple Studio Display (flat panel LCD)", 1998.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.colorimetry import tristimulus
+from symrt.gamut.interface import ROUNDING, clip_halfspaces
+from symrt.spectra.bands import RGB, Bands, wavelengths
+from symrt.spectra.display import luminance_weights
+from symrt.spectra.library import display_primaries
+
+__all__ = ["Monitor", "MonitorGamut", "load_monitor", "monitor_gamut", "monitors"]
+
+DISPLAYS = {
+    "crt-brainard": ("Typical CRT Brainard 1997", "a typical cathode ray tube, Brainard 1997"),
+    "apple-studio-display": ("Apple Studio Display", "a flat liquid crystal panel, Fairchild and Wyble 1998"),
+}
+EQUAL_ENERGY = "illuminant/E"
+
+Drive = Float[np.ndarray, "pixel 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Monitor:
+    """A monitor, known by what its primaries do to the eye.
+
+    Parameters
+    ----------
+    name
+        What `load_device` calls it.
+    bands
+        Wavelengths of the spectra that it is asked to show, or RGB.
+    primaries
+        XYZ of red, green and blue, a column each, with Y = 1 for their sum; for RGB bands the unit matrix.
+    title, provenance
+        What it is and where its numbers come from.
+    """
+
+    name: str
+    bands: Bands
+    primaries: Float[np.ndarray, "3 3"]
+    title: str
+    provenance: str
+
+    def on(self, bands: Bands) -> "Monitor":
+        """The same monitor for spectra at other wavelengths; its primaries do not depend on them."""
+        if (bands.kind == "rgb") != (self.bands.kind == "rgb"):
+            raise ValueError(
+                f"{self.name} shows {'RGB' if self.bands.kind == 'rgb' else 'spectra'}, not {bands!r}: 'srgb' is for "
+                "images in RGB, the other monitors for wavelengths"
+            )
+        return replace(self, bands=bands)
+
+    def __repr__(self) -> str:
+        return f"Monitor({self.name!r}, {self.bands!r}: {self.title})"
+
+
+@dataclass(frozen=True, eq=False)
+class MonitorGamut:
+    """The reflectances whose colour a monitor shows, against a white of luminance 1.
+
+    Parameters
+    ----------
+    monitor
+        The monitor.
+    drive
+        The matrix that takes a reflectance to the drive values of red, green and blue.
+
+    Examples
+    --------
+    >>> gamut = monitor_gamut(load_monitor("srgb"))
+    >>> gamut.contains(np.array([[1.0, 0.5, 0.0], [1.01, 0.5, 0.0]]))
+    array([ True, False])
+    """
+
+    monitor: Monitor
+    drive: Float[np.ndarray, "3 band"]
+
+    model = "monitor"
+    label = "necessary and sufficient for the same colour, not for the spectrum"
+    """What being inside proves."""
+
+    @property
+    def name(self) -> str:
+        """The gamut in words."""
+        return f"gamut of the monitor {self.monitor.name}"
+
+    @property
+    def bands(self) -> Bands:
+        """Wavelengths of its spectra."""
+        return self.monitor.bands
+
+    def under(self, white: Spectrum) -> "MonitorGamut":
+        """The same gamut for reflectances against a white, whose luminance is the monitor's white's."""
+        luminance = float(white @ _tristimulus(self.bands)[:, 1])
+        if not luminance > 0:
+            raise ValueError("the reference white has no luminance: choose another reference")
+        return replace(self, drive=_drive(self.monitor) * (white / luminance))
+
+    def driven(self, spectra: PixelBands) -> Drive:
+        """Drive values a of red, green and blue."""
+        return spectra @ self.drive.T
+
+    def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
+        """Whether the monitor shows the colour of each spectrum; its boundary it does."""
+        return self.violation(spectra) <= ROUNDING
+
+    def violation(self, spectra: PixelBands) -> PerPixel:
+        """How far the worst drive value of each spectrum is outside [0, 1]."""
+        drive = self.driven(spectra)
+        return np.maximum(-drive, drive - 1).max(axis=1).clip(min=0.0)
+
+    def nearest(self, spectra: PixelBands) -> PixelBands:
+        """The spectrum nearest to each, by root mean square, among those whose colour is shown."""
+        drive = self.driven(spectra)
+        metric = np.linalg.inv(self.drive @ self.drive.T)
+        change = _into_cube(drive, metric) - drive
+        return spectra + change @ metric @ self.drive
+
+    def support(self, directions: PixelBands) -> PerPixel:
+        """The largest inner product with a spectrum whose colour is shown; ``inf`` unless colour alone decides it."""
+        along = np.linalg.lstsq(self.drive.T, directions.T, rcond=None)[0].T
+        missed = np.abs(directions - along @ self.drive).max(axis=1)
+        decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
+        return np.where(decided, along.clip(min=0).sum(axis=1), np.inf)
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
+        """Low and high t between which the colour of ``origin + t direction`` is shown."""
+        normals = np.vstack([self.drive, -self.drive])
+        return clip_halfspaces(normals, np.array([1.0, 1, 1, 0, 0, 0]), origin, direction)
+
+    def __repr__(self) -> str:
+        return f"MonitorGamut({self.name}; inside is {self.label})"
+
+
+def monitors() -> tuple[str, ...]:
+    """Names that `load_monitor` knows.
+
+    Examples
+    --------
+    >>> monitors()
+    ('crt-brainard', 'apple-studio-display', 'srgb')
+    """
+    return (*DISPLAYS, "srgb")
+
+
+def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
+    """A monitor by name.
+
+    Parameters
+    ----------
+    name
+        One of `monitors`; ``srgb`` is for images in RGB only.
+    bands
+        Wavelengths of the spectra that it is asked to show; 380 … 730 nm by 10 nm if not given.
+
+    Examples
+    --------
+    >>> load_monitor("crt-brainard")
+    Monitor('crt-brainard', Bands(36 wavelengths, 380 … 730 nm): a typical cathode ray tube, Brainard 1997)
+    """
+    if name == "srgb":
+        monitor = Monitor(name, RGB, np.eye(3), "linear sRGB", "IEC 61966-2-1:1999, red, green and blue as they are.")
+        return monitor.on(bands) if bands else monitor
+    table, title = DISPLAYS[name]
+    nm, spectra = display_primaries(table)
+    xyz = spectra @ tristimulus(Bands(tuple(nm.tolist())), EQUAL_ENERGY)
+    return Monitor(
+        name=name,
+        bands=wavelengths(380, 730, 10),
+        primaries=(xyz / xyz[:, 1].sum()).T,
+        title=title,
+        provenance=f"Spectra of the primaries: {table!r} of colour-science, 380 … 780 nm by 5 nm.",
+    ).on(bands or wavelengths(380, 730, 10))
+
+
+def monitor_gamut(monitor: Monitor) -> MonitorGamut:
+    """What a monitor shows of reflectances, against an equal-energy white until it is told another, see `under`.
+
+    Examples
+    --------
+    A white diffuser, lit by equal energy, needs more red than the tube's bluish white has:
+
+    >>> gamut = monitor_gamut(load_monitor("crt-brainard"))
+    >>> gamut.driven(np.ones((1, 36))).round(2)
+    array([[1.42, 0.9 , 0.76]])
+    """
+    return MonitorGamut(monitor, _drive(monitor)).under(np.ones(len(monitor.bands)))
+
+
+def _tristimulus(bands: Bands) -> Float[np.ndarray, "band 3"]:
+    """XYZ of a radiance, with Y = 1 for a constant 1; of RGB the luminance alone matters."""
+    if bands.kind == "rgb":
+        return np.repeat(luminance_weights(bands)[:, None], 3, axis=1)
+    return tristimulus(bands, EQUAL_ENERGY)
+
+
+def _drive(monitor: Monitor) -> Float[np.ndarray, "3 band"]:
+    """Drive values of a radiance."""
+    if monitor.bands.kind == "rgb":
+        return np.eye(3)
+    if len(monitor.bands) < 3:
+        raise ValueError(f"{monitor.bands!r} span no three colours: give three wavelengths or more")
+    return np.linalg.solve(monitor.primaries, tristimulus(monitor.bands, EQUAL_ENERGY).T)
+
+
+def _into_cube(points: Drive, metric: Float[np.ndarray, "3 3"]) -> Drive:
+    """The point of the cube [0, 1]³ nearest to each in a metric: the best of those on its faces, edges and corners."""
+    best, least = np.clip(points, 0, 1), np.full(len(points), np.inf)
+    for fixed in product((None, 0.0, 1.0), repeat=3):
+        held = [i for i in range(3) if fixed[i] is not None]
+        free = [i for i in range(3) if fixed[i] is None]
+        moved = points.copy()
+        moved[:, held] = [fixed[i] for i in held]
+        if held and free:
+            shift = (points - moved)[:, held] @ metric[np.ix_(held, free)] @ np.linalg.inv(metric[np.ix_(free, free)])
+            moved[:, free] += shift
+        change = moved - points
+        distance = np.einsum("pi,ij,pj->p", change, metric, change)
+        better = (distance < least) & np.all((moved >= 0) & (moved <= 1), axis=1)
+        best[better], least[better] = moved[better], distance[better]
+    return best
