@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt.gamut.interface import ClippingGamut
 from symrt.gamut.slabs import Gamut
 
 __all__ = ["Interval", "blocking", "clip", "clip_slabs"]
@@ -74,7 +75,9 @@ class _Scratch(NamedTuple):
     far: Lines
 
 
-def clip(gamut: Gamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]) -> Interval:
+def clip(
+    gamut: Gamut | ClippingGamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]
+) -> Interval:
     """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
 
     Examples
@@ -85,6 +88,9 @@ def clip(gamut: Gamut, origin: Float[np.ndarray, "pixel band"], direction: Float
     >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)
     array([1.8])
     """
+    if not isinstance(gamut, Gamut):
+        low, high = gamut.clip(origin, direction)
+        return Interval(low, high, np.zeros(len(origin), dtype=bool))
     lower, upper = gamut.lower, gamut.upper
     if gamut.weights is not None:
         lower, upper = np.append(lower, gamut.blackest), np.append(upper, np.inf)

@@ -1,28 +1,35 @@
 """Step 4: a device's spectral basis and gamut."""
 
 from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
 from symrt.gamut.device import Printer
 from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.fitting import HalftoneFit, fit_halftone
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.halftone import Halftone
+from symrt.gamut.hull import HullGamut, hull_gamut
 from symrt.gamut.inks import Device, devices, load_device, reflectance
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.monitor import Monitor, MonitorGamut, load_monitor, monitor_gamut, monitors
-from symrt.gamut.slabs import Gamut, device_gamut
+from symrt.gamut.slabs import Gamut
 
 __all__ = [
     "Basis",
+    "ColorimetricGamut",
     "ConvexGamut",
     "Device",
     "Gamut",
     "Halftone",
     "HalftoneFit",
+    "HullGamut",
     "Monitor",
     "MonitorGamut",
     "Printer",
+    "colorimetric_gamut",
     "device_gamut",
     "devices",
     "fit_halftone",
+    "hull_gamut",
     "load_device",
     "load_gamut",
     "load_monitor",

@@ -144,8 +144,17 @@ def _fitted(
     shares = demichel(guessed.coverage(device.amounts))
     guess = spread(prior, exponent)
     missed = spread(device.samples, exponent) - shares @ guess
-    found = guess + np.linalg.pinv(shares, rtol=UNDETERMINED) @ missed
+    found = guess + _least_squares(shares, missed)
     return replace(guessed, primaries=unspread(found, exponent))
+
+
+def _least_squares(
+    shares: Float[np.ndarray, "print primary"], wanted: Float[np.ndarray, "print band"]
+) -> Float[np.ndarray, "primary band"]:
+    """The smallest solution: nothing is changed that the prints do not show, by eigenvalues of the normal equations."""
+    values, vectors = np.linalg.eigh(shares.T @ shares)
+    shown = values > UNDETERMINED**2 * values[-1]
+    return (vectors[:, shown] / values[shown]) @ (vectors[:, shown].T @ (shares.T @ wanted))
 
 
 def _missed(

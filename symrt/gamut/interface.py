@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.spectra.bands import Bands
 
-__all__ = ["ConvexGamut", "clip_halfspaces"]
+__all__ = ["ClippingGamut", "ConvexGamut", "clip_halfspaces"]
 
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
@@ -44,6 +44,11 @@ class ConvexGamut(Protocol):
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut; ``inf`` where there is none."""
+
+
+@runtime_checkable
+class ClippingGamut(ConvexGamut, Protocol):
+    """A gamut that clips lines itself; those made of slabs are clipped by `symrt.feedback.clip`, certified."""
 
     def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
         """Low and high t between which ``origin + t direction`` is inside; ``inf`` and ``-inf`` where it never is."""

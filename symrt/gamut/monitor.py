@@ -1,9 +1,9 @@
 """Monitors: the colours that three primaries mix, a gamut for step 4 of the paper.
 
-A radiance p, exposed by e, is shown if its drive values ``a = M⁻¹ XYZ(e p)`` lie in [0, 1].  The columns of M are the XYZ
-of the primaries [1]_, [2]_, with their white at luminance 1.  Nothing is divided by the reference white's spectrum, only
-by its luminance: a monitor does not adapt.  The set is a parallelepiped in colour space; being inside is necessary and
-sufficient for the same *colour*, and says nothing of the spectrum.
+A radiance p, exposed by e, is shown if its drive values ``a = M⁻¹ XYZ(e p)`` lie in [0, 1].  The columns of M are the
+XYZ of the primaries [1]_, [2]_, with their white at luminance 1.  Nothing is divided by the reference white's spectrum,
+only by its luminance: a monitor does not adapt.  The set is a parallelepiped in colour space; being inside is necessary
+and sufficient for the same *colour*, and says nothing of the spectrum.
 
 References
 ----------

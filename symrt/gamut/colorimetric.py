@@ -1,0 +1,148 @@
+"""The conventional gamut of colour management: the colours of a device's prints under one viewing light, in step 4.
+
+It is the convex hull of the prints' XYZ, a solid in three dimensions, and so a set of half-spaces of reflectances.
+Being inside is necessary for a print of the same colour under that light; under another one the match may break [1]_.
+
+References
+----------
+.. [1] M. C. Stone, W. B. Cowan and J. C. Beatty, "Color Gamut Mapping and the Printing of Digital Color Images", ACM
+   TOG 7(4), 1988, pp. 249-292.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.spatial import ConvexHull, QhullError
+
+from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.colorimetry import tristimulus
+from symrt.gamut.device import Device
+from symrt.gamut.hull import nearest_mixtures
+from symrt.gamut.interface import ROUNDING, clip_halfspaces
+from symrt.spectra.bands import Bands
+
+__all__ = ["ColorimetricGamut", "colorimetric_gamut"]
+
+
+@dataclass(frozen=True, eq=False)
+class ColorimetricGamut:
+    """Reflectances whose colour under a viewing light lies among those of a device's prints.
+
+    Parameters
+    ----------
+    device
+        The printer.
+    light
+        The viewing light.
+    colours
+        XYZ of the prints at the corners of the solid; a perfect diffuser has Y = 1.
+    normals, offsets
+        Its faces: inside is where ``normals · XYZ <= offsets``.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> gamut = colorimetric_gamut(load_device("dye3-endura-premier"))
+    >>> gamut.contains(np.array([[0.5] * 36, [0.95] * 36]))
+    array([ True, False])
+    """
+
+    device: Device
+    light: str
+    colours: Float[np.ndarray, "corner 3"]
+    normals: Float[np.ndarray, "face 3"]
+    offsets: Float[np.ndarray, " face"]
+
+    model = "colorimetric"
+
+    @property
+    def label(self) -> str:
+        """What being inside proves."""
+        return f"necessary for a colour match under {self.light}"
+
+    @property
+    def name(self) -> str:
+        """The gamut in words."""
+        return f"colours of {self.device.name}'s prints under {self.light}"
+
+    @property
+    def bands(self) -> Bands:
+        """Wavelengths of its spectra."""
+        return self.device.bands
+
+    @property
+    def observer(self) -> Float[np.ndarray, "band 3"]:
+        """The matrix that takes a reflectance to XYZ under the viewing light."""
+        return tristimulus(self.bands, self.light)
+
+    def under(self, white: Spectrum) -> "ColorimetricGamut":  # noqa: ARG002 -- what every gamut can be asked
+        """The same: prints are looked at under the viewing light, whatever lights the scene."""
+        return self
+
+    def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
+        """Whether the colour of each spectrum is inside; the boundary is."""
+        return self.violation(spectra) <= ROUNDING
+
+    def violation(self, spectra: PixelBands) -> PerPixel:
+        """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside."""
+        return ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1).clip(min=0.0)
+
+    def nearest(self, spectra: PixelBands) -> PixelBands:
+        """The spectrum nearest to each, by root mean square, among those whose colour is inside."""
+        # In coordinates in which a colour's length is that of the least reflectance with it, nearest is nearest.
+        square = self.observer.T @ self.observer
+        to_colour = np.linalg.cholesky(square)
+        to_length = np.linalg.inv(to_colour)
+        xyz = spectra @ self.observer
+        mixtures, _ = nearest_mixtures(self.colours @ to_length.T, xyz @ to_length.T)
+        change = np.where(self.contains(spectra)[:, None], 0.0, mixtures @ to_colour.T - xyz)
+        return spectra + change @ np.linalg.solve(square, self.observer.T)
+
+    def support(self, directions: PixelBands) -> PerPixel:
+        """The largest inner product with a spectrum whose colour is inside; ``inf`` unless colour alone decides it."""
+        along = np.linalg.lstsq(self.observer, directions.T, rcond=None)[0].T
+        missed = np.abs(directions - along @ self.observer.T).max(axis=1)
+        decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
+        return np.where(decided, (along @ self.colours.T).max(axis=1), np.inf)
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
+        """Low and high t between which the colour of ``origin + t direction`` is inside."""
+        return clip_halfspaces(self.normals @ self.observer.T, self.offsets, origin, direction)
+
+    def __repr__(self) -> str:
+        modelled = " (modelled)" if self.device.modelled else ""
+        return f"ColorimetricGamut({self.name}{modelled}; inside is {self.label}, not sufficient)"
+
+
+def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> ColorimetricGamut:
+    """The colours that a device prints, as they look under a light.
+
+    Parameters
+    ----------
+    device
+        Printer or chart.
+    light
+        An illuminant of the library.
+
+    Raises
+    ------
+    ValueError
+        If the prints' colours lie in a plane, or there is no such light.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> colorimetric_gamut(load_device("dye3-endura-premier"), "illuminant/A").label
+    'necessary for a colour match under illuminant/A'
+    """
+    xyz = device.samples @ tristimulus(device.bands, light)
+    try:
+        hull = ConvexHull(xyz)
+    except QhullError:
+        raise ValueError(
+            f"{device.name}: the colours of its {len(xyz)} prints lie in a plane or a line, or are fewer than four: "
+            "a solid needs prints of more colours"
+        ) from None
+    faces = np.unique(hull.equations, axis=0)
+    return ColorimetricGamut(device, light, xyz[hull.vertices], faces[:, :3], -faces[:, 3])

@@ -1,0 +1,81 @@
+"""The gamut of a device by the name of its model, which is the question that is asked: step 4 of the paper."""
+
+from typing import Literal, overload
+
+from symrt.errors import shown
+from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
+from symrt.gamut.device import Device
+from symrt.gamut.hull import TOLERANCE, HullGamut, hull_gamut
+from symrt.gamut.monitor import Monitor, MonitorGamut, monitor_gamut
+from symrt.gamut.slabs import Black, Gamut
+from symrt.gamut.slabs import device_gamut as slab_gamut
+from symrt.spectra.bands import Number
+
+__all__ = ["MODELS", "AnyGamut", "device_gamut"]
+
+MODELS = ("unit", "envelope", "hull", "colorimetric", "monitor")
+
+AnyGamut = Gamut | HullGamut | ColorimetricGamut | MonitorGamut
+
+
+@overload
+def device_gamut(
+    device: Device | Monitor, model: Literal["unit", "envelope"] = "unit", black: Black | str = "clip"
+) -> Gamut: ...
+@overload
+def device_gamut(
+    device: Device | Monitor,
+    model: str,
+    black: Black | str = "clip",
+    *,
+    tolerance: Number = TOLERANCE,
+    light: str = "illuminant/D50",
+) -> AnyGamut: ...
+def device_gamut(
+    device: Device | Monitor,
+    model: str = "unit",
+    black: Black | str = "clip",
+    *,
+    tolerance: Number = TOLERANCE,
+    light: str = "illuminant/D50",
+) -> AnyGamut:
+    """The gamut of a device.
+
+    Parameters
+    ----------
+    device
+        From `load_device`.
+    model
+        ``"unit"`` and ``"envelope"``: bounds in each band, see `Gamut`.  ``"hull"``: mixtures of prints, see
+        `HullGamut`.  ``"colorimetric"``: their colours under a viewing light, see `ColorimetricGamut`.  ``"monitor"``:
+        the colours that a monitor shows, see `MonitorGamut`.
+    black
+        What becomes of the dark, for bounds in each band.
+    tolerance
+        Of a hull: the root mean square difference that passes for none.
+    light
+        Of a colorimetric gamut: the illuminant under which prints are seen.
+
+    Raises
+    ------
+    ValueError
+        If there is no such model, the device has none of the kind, or its black is not to be chosen.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> device_gamut(load_device("dye3-endura-premier"), "colorimetric").label
+    'necessary for a colour match under illuminant/D50'
+    """
+    if model not in MODELS:
+        raise ValueError(f"model = {shown(model)}: there are {', '.join(map(repr, MODELS))}")
+    if (model == "monitor") != isinstance(device, Monitor):
+        what, remedy = ("a printer", "choose another") if model == "monitor" else ("a monitor", "choose 'monitor'")
+        raise ValueError(f"model = {model!r}: {device.name} is {what}; {remedy}")
+    if isinstance(device, Monitor):
+        return monitor_gamut(device)
+    if model in ("unit", "envelope"):
+        return slab_gamut(device, model, black)
+    if black != "clip":
+        raise ValueError(f"black = {black!r}: the {model} has its own black, that of the prints; leave it out")
+    return hull_gamut(device, tolerance) if model == "hull" else colorimetric_gamut(device, light)

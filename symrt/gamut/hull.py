@@ -1,0 +1,322 @@
+"""The convex hull of a device's prints: the gamut of step 4 that follows the device most closely and stays convex.
+
+A spectrum is inside if some mixture of prints, weights w >= 0 of sum 1, comes as near to it as a *tolerance*:
+``‖r − Sᵀ w‖ / √K <= tolerance``.  The hull of finitely many prints is thin, and prints that were not measured lie
+beside it, so that the tolerance is never less than the gap that sampling leaves, which is measured.
+
+The nearest mixture comes from non-negative least squares [1]_: the v that minimises ``‖(S − r)ᵀ v‖² + (Σ v − 1)²`` has
+the weights' ratios.  Only a few prints take part; those that a plane through their mixture leaves outside are brought
+in until there are none, and that plane then proves how far the hull is.
+
+References
+----------
+.. [1] C. L. Lawson and R. J. Hanson, "Solving Least Squares Problems", Prentice-Hall 1974, ch. 23.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.optimize import nnls
+
+from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.device import Device
+from symrt.spectra.bands import Bands, Number
+
+__all__ = ["HullGamut", "hull_gamut", "nearest_mixtures"]
+
+TOLERANCE = 0.01
+"""Root mean square difference of reflectances that passes for none."""
+TRIED = 64
+"""Prints that the sampling gap is measured with."""
+SEED = 0
+BROUGHT_IN = 16
+"""Prints that join the mixture of a spectrum in each round."""
+ROUNDS = 200
+EXACT = 1e-10
+"""Distances, in reflectance, are known to this."""
+CHUNK = 2048
+"""Spectra whose inner products with all prints are in memory at once."""
+STEPS = 80
+"""Cuts and halvings on each line; each cut leaves about the square of what was missing."""
+
+
+@dataclass(frozen=True, eq=False)
+class HullGamut:
+    """Reflectances that mixtures of a device's prints come near to.
+
+    Parameters
+    ----------
+    device
+        The printer.
+    tolerance
+        Root mean square difference up to which a spectrum counts as inside.
+    gap
+        The difference by which prints that are not among the samples miss the hull.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> gamut = hull_gamut(load_device("dye3-endura-premier"))
+    >>> gamut.contains(np.array([[0.9] * 36, [0.95] * 36]))
+    array([ True, False])
+    """
+
+    device: Device
+    tolerance: float
+    gap: float
+
+    model = "hull"
+    label = "necessary, as far as the samples are dense"
+    """What being inside proves."""
+
+    @property
+    def name(self) -> str:
+        """The gamut in words."""
+        return f"hull of {self.device.name}'s prints, within {self.tolerance:.4f} RMS (sampling gap {self.gap:.4f})"
+
+    @property
+    def bands(self) -> Bands:
+        """Wavelengths of its spectra."""
+        return self.device.bands
+
+    @cached_property
+    def basis(self) -> Basis:
+        """The device's basis, constant spectrum first."""
+        return uniform_first(self.device.samples)
+
+    def under(self, white: Spectrum) -> "HullGamut":  # noqa: ARG002 -- what every gamut can be asked
+        """The same: what a device prints does not depend on the light."""
+        return self
+
+    def distance(self, spectra: PixelBands) -> PerPixel:
+        """Root mean square difference from the nearest mixture of prints."""
+        return np.linalg.norm(spectra - nearest_mixtures(self.device.samples, spectra)[0], axis=1) / self._root
+
+    def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
+        """Whether each spectrum is inside; the boundary is."""
+        enough = self.tolerance * self._root
+        mixtures, _ = nearest_mixtures(self.device.samples, spectra, enough=enough)
+        return np.linalg.norm(spectra - mixtures, axis=1) <= enough + EXACT
+
+    def violation(self, spectra: PixelBands) -> PerPixel:
+        """How much farther than the tolerance each spectrum is from the nearest mixture; 0 inside."""
+        excess = self.distance(spectra) - self.tolerance
+        return np.where(excess <= EXACT, 0.0, excess)
+
+    def nearest(self, spectra: PixelBands) -> PixelBands:
+        """The spectrum of the gamut that is nearest to each: at the tolerance from the nearest mixture."""
+        mixtures, _ = nearest_mixtures(self.device.samples, spectra)
+        away = spectra - mixtures
+        length = np.linalg.norm(away, axis=1, keepdims=True)
+        share = np.minimum(1, self.tolerance * self._root / np.maximum(length, np.finfo(float).tiny))
+        return mixtures + share * away
+
+    def support(self, directions: PixelBands) -> PerPixel:
+        """The largest inner product of each direction with a spectrum of the gamut."""
+        prints = (directions @ self.device.samples.T).max(axis=1)
+        return prints + self.tolerance * self._root * np.linalg.norm(directions, axis=1)
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
+        """Low and high t between which ``origin + t direction`` is inside.
+
+        Cutting planes: a point of the line outside the gamut has a plane between them, beyond which the line is
+        outside too.  Cuts at the middle find a point inside or prove that there is none; cuts at the ends, Newton's
+        method for the distance, which is convex, close in on the boundary.
+        """
+        still = ~direction.any(axis=1)
+        low, high = self._ball(origin, direction)
+        middle, low, high = self._entered(origin, direction, low, high)
+        met = low <= high
+        low[met] = self._end(origin[met], direction[met], low[met], middle[met])
+        high[met] = self._end(origin[met], direction[met], high[met], middle[met])
+        inside = still & self.contains(origin) if still.any() else still
+        low = np.where(still, np.where(inside, -np.inf, np.inf), low)
+        return low, np.where(still, np.where(inside, np.inf, -np.inf), high)
+
+    @property
+    def _root(self) -> float:
+        return float(np.sqrt(len(self.bands)))
+
+    def _ball(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
+        """Where each line is in a ball around the gamut; outside it there is nothing to look for."""
+        centre = self.device.samples.mean(axis=0)
+        radius = np.linalg.norm(self.device.samples - centre, axis=1).max() + self.tolerance * self._root + EXACT
+        square = np.maximum(np.sum(direction**2, axis=1), np.finfo(float).tiny)
+        nearest = -np.sum((origin - centre) * direction, axis=1) / square
+        apart = np.sum((origin + nearest[:, None] * direction - centre) ** 2, axis=1)
+        half = np.sqrt(np.maximum(radius**2 - apart, 0) / square)
+        met = (apart <= radius**2) & direction.any(axis=1)
+        return np.where(met, nearest - half, np.inf), np.where(met, nearest + half, -np.inf)
+
+    def _entered(
+        self, origin: PixelBands, direction: PixelBands, low: PerPixel, high: PerPixel
+    ) -> tuple[PerPixel, PerPixel, PerPixel]:
+        """A point of each line inside the gamut, and ends beyond it; ``inf`` and ``-inf`` if there is none."""
+        low, high = low.copy(), high.copy()
+        middle = np.zeros(len(low))
+        open_ = low <= high
+        for _ in range(STEPS):
+            rows = np.flatnonzero(open_)
+            if not rows.size:
+                break
+            middle[rows] = (low[rows] + high[rows]) / 2
+            first, last, inside = self._cut(origin[rows], direction[rows], middle[rows])
+            low[rows], high[rows] = np.maximum(low[rows], first), np.minimum(high[rows], last)
+            open_[rows] = ~inside & (low[rows] <= high[rows])
+        missed = open_ | (low > high)
+        low[missed], high[missed] = np.inf, -np.inf
+        return middle, low, high
+
+    def _cut(
+        self, origin: PixelBands, direction: PixelBands, t: PerPixel
+    ) -> tuple[PerPixel, PerPixel, Bool[np.ndarray, " pixel"]]:
+        """Ends that a plane between the gamut and a point of each line allows, and whether that point is inside."""
+        points = origin + t[:, None] * direction
+        mixtures, _ = nearest_mixtures(self.device.samples, points)
+        normals = points - mixtures
+        enough = self.tolerance * self._root
+        inside = np.linalg.norm(normals, axis=1) <= enough + EXACT / 2  # half, so that `contains` agrees for certain
+        room = self.support(normals) - np.sum(normals * origin, axis=1)
+        rate = np.sum(normals * direction, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = room / rate
+        first = np.where(~inside & (rate < 0), crossing, -np.inf)
+        last = np.where(~inside & (rate > 0), crossing, np.inf)
+        parallel = ~inside & (rate == 0)
+        return np.where(parallel, np.inf, first), np.where(parallel, -np.inf, last), inside
+
+    def _end(self, origin: PixelBands, direction: PixelBands, outer: PerPixel, inner: PerPixel) -> PerPixel:
+        """The last point inside, between one that is and one that may not be."""
+        outer, inner = outer.copy(), inner.copy()
+        for _ in range(STEPS):
+            wide = np.abs(outer - inner) * np.linalg.norm(direction, axis=1) > EXACT
+            rows = np.flatnonzero(wide)
+            if not rows.size:
+                break
+            first, last, inside = self._cut(origin[rows], direction[rows], outer[rows])
+            inner[rows] = np.where(inside, outer[rows], inner[rows])
+            rising = outer[rows] < inner[rows]
+            cut = np.where(rising, np.maximum(outer[rows], first), np.minimum(outer[rows], last))
+            outer[rows] = np.where(inside, outer[rows], cut)
+        return inner
+
+    def __repr__(self) -> str:
+        modelled = " (modelled)" if self.device.modelled else ""
+        return f"HullGamut({self.name}{modelled}; inside is {self.label}, not sufficient)"
+
+
+def hull_gamut(device: Device, tolerance: Number = TOLERANCE) -> HullGamut:
+    """The hull of a device's prints, within a tolerance that is never less than the sampling gap.
+
+    Parameters
+    ----------
+    device
+        Printer or chart.
+    tolerance
+        Root mean square difference of reflectances.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> gamut = hull_gamut(load_device("dye3-endura-premier"), tolerance=0.0)
+    >>> gamut.tolerance == gamut.gap, 0.001 < gamut.gap < 0.01
+    (True, True)
+    """
+    if not tolerance >= 0:
+        raise ValueError(f"tolerance = {tolerance}: a root mean square difference of reflectances is 0 or more")
+    gap = _sampling_gap(device)
+    return HullGamut(device, max(float(tolerance), gap), gap)
+
+
+def nearest_mixtures(
+    samples: Float[np.ndarray, "sample band"], spectra: PixelBands, enough: float | None = None
+) -> tuple[PixelBands, PerPixel]:
+    """The mixture of samples nearest to each spectrum, and a distance that no mixture comes nearer than.
+
+    Parameters
+    ----------
+    samples
+        Points whose convex hull is meant, one a row.
+    spectra
+        Points to come near to.
+    enough
+        Stop where it is certain whether the distance is below or above this; None, go on to the nearest of all.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> mixtures, apart = nearest_mixtures(corners, np.array([[1.0, 1.0], [0.2, 0.2]]))
+    >>> mixtures.round(9).tolist(), apart.round(6).tolist()
+    ([[0.5, 0.5], [0.2, 0.2]], [0.707107, 0.0])
+    """
+    chunks = range(0, len(spectra), CHUNK)
+    parts = [_nearest(samples, spectra[first : first + CHUNK], enough) for first in chunks]
+    if not parts:
+        return spectra.copy(), np.zeros(0)
+    return np.vstack([mixtures for mixtures, _ in parts]), np.concatenate([apart for _, apart in parts])
+
+
+def _nearest(
+    samples: Float[np.ndarray, "sample band"], spectra: PixelBands, enough: float | None
+) -> tuple[PixelBands, PerPixel]:
+    squares = np.sum(samples**2, axis=1) - 2 * (spectra @ samples.T)
+    few = min(BROUGHT_IN, len(samples))
+    taking_part = list(np.argpartition(squares, few - 1, axis=1)[:, :few])
+    mixtures, apart = spectra.copy(), np.zeros(len(spectra))
+    rows = np.arange(len(spectra))
+    for _ in range(ROUNDS):
+        # SciPy has no batched least squares of this kind; each of these small problems takes some 20 µs.
+        for row in rows:
+            taking_part[row], mixtures[row] = _mixed(samples, taking_part[row], spectra[row])
+        normals = spectra[rows] - mixtures[rows]
+        length = np.linalg.norm(normals, axis=1)
+        beyond = normals @ samples.T
+        reach = np.sum(normals * spectra[rows], axis=1) - beyond.max(axis=1)
+        apart[rows] = np.maximum(apart[rows], reach / np.maximum(length, np.finfo(float).tiny))
+        done = length - apart[rows] <= EXACT / 4
+        if enough is not None:
+            done |= (length <= enough) | (apart[rows] > enough + EXACT)
+        rows, beyond = rows[~done], beyond[~done]
+        if not rows.size:
+            break
+        for row, newcomers in zip(rows, np.argpartition(-beyond, few - 1, axis=1)[:, :few], strict=True):
+            taking_part[row] = np.union1d(taking_part[row], newcomers)
+    return mixtures, apart
+
+
+def _mixed(
+    samples: Float[np.ndarray, "sample band"], taking_part: Int[np.ndarray, " few"], spectrum: Spectrum
+) -> tuple[Int[np.ndarray, " less"], Spectrum]:
+    """The samples that the nearest mixture of a few is made of, and that mixture."""
+    away = (samples[taking_part] - spectrum).T
+    scale = max(float(np.abs(away).max()), np.finfo(float).tiny)
+    rows = np.vstack([away / scale, np.ones(len(taking_part))])
+    weights, _ = nnls(rows, np.append(np.zeros(len(spectrum)), 1.0))
+    used = weights > 0
+    weights = weights[used] / weights[used].sum()
+    return taking_part[used], spectrum + away[:, used] @ weights
+
+
+def _sampling_gap(device: Device) -> float:
+    """How far prints that are not among the samples are from the hull, by root mean square.
+
+    A printer's model prints some anew, and the farthest counts.  Without one each of some prints is taken from the
+    chart in turn; since corners of the hull are far from all others, the median counts.
+    """
+    draw = np.random.default_rng(SEED)
+    if device.printer and device.modelled:
+        amounts = draw.uniform(0, device.printer.most, (TRIED, len(device.inks)))
+        prints = device.printer.printed(amounts)
+        misses = np.linalg.norm(prints - nearest_mixtures(device.samples, prints)[0], axis=1)
+        return float(misses.max() / np.sqrt(len(device.bands)))
+    tried = draw.permutation(len(device.samples))[:TRIED]
+    if len(device.samples) < 2:
+        return 0.0
+    misses = [
+        np.linalg.norm(s - nearest_mixtures(np.delete(device.samples, i, axis=0), s[None])[0])
+        for i, s in zip(tried, device.samples[tried], strict=True)
+    ]
+    return float(np.median(misses) / np.sqrt(len(device.bands)))

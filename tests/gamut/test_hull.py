@@ -1,0 +1,255 @@
+"""Hulls of prints, spectral and colorimetric, against linear programmes, quadratic optimisers and closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog, minimize
+
+from symrt.feedback.clipping import clip
+from symrt.gamut import ConvexGamut, Device, device_gamut, load_device
+from symrt.gamut.colorimetric import colorimetric_gamut
+from symrt.gamut.hull import HullGamut, hull_gamut, nearest_mixtures
+from symrt.spectra.bands import RGB, wavelengths
+
+BANDS = wavelengths(400, 700, 50)
+
+
+def chart(samples):
+    blank = np.zeros(samples.shape[1], dtype=bool)
+    bands = wavelengths(400, 400 + 10 * (samples.shape[1] - 1), 10)
+    return Device("chart", bands, samples, np.empty((len(samples), 0)), (), blank, "made up", "made up", modelled=False)
+
+
+@pytest.fixture(scope="module")
+def device():
+    return load_device("dye3-endura-premier", BANDS)
+
+
+@pytest.fixture(scope="module")
+def hull(device):
+    return hull_gamut(device)
+
+
+@pytest.fixture(scope="module", params=["hull", "colorimetric", "monitor", "unit", "envelope"])
+def gamut(request):
+    return device_gamut(
+        load_device("crt-brainard" if request.param == "monitor" else "synthetic-cmyk", BANDS), request.param
+    )
+
+
+def spectra_around(device, count, seed=0):
+    """Mixtures of prints, some moved out by little or much."""
+    draw = np.random.default_rng(seed)
+    weights = draw.dirichlet(np.full(5, 0.5), count)
+    prints = device.samples[draw.integers(0, len(device.samples), (count, 5))]
+    moved = draw.normal(0, 1, (count, len(device.bands))) * draw.choice([0, 0.01, 0.1], (count, 1))
+    return np.einsum("ns,nsb->nb", weights, prints) + moved
+
+
+def in_hull_by_linear_programme(samples, spectrum):
+    """Whether weights exist; None where the programme's own tolerance of 1e-7 decides."""
+    equal = np.vstack([samples.T, np.ones(len(samples))])
+    slack = np.vstack([np.eye(len(spectrum)), np.zeros((1, len(spectrum)))])
+    cost = np.concatenate([np.zeros(len(samples)), np.ones(2 * len(spectrum))])
+    found = linprog(cost, A_eq=np.hstack([equal, slack, -slack]), b_eq=np.append(spectrum, 1.0))
+    return None if 1e-9 < found.fun < 1e-6 else bool(found.fun <= 1e-9)
+
+
+def test_membership_without_tolerance_agrees_with_a_linear_programme(device):
+    bare = HullGamut(device, 0.0, 0.0)
+    spectra = spectra_around(device, 120)
+    wanted = [in_hull_by_linear_programme(device.samples, s) for s in spectra]
+    decided = np.array([w is not None for w in wanted])
+    assert decided.sum() > 110
+    assert 20 < sum(w is True for w in wanted) < 100
+    np.testing.assert_array_equal(bare.contains(spectra)[decided], [w for w in wanted if w is not None])
+
+
+def test_nearest_mixtures_are_certified_by_the_plane_that_keeps_the_prints_away(device):
+    spectra = spectra_around(device, 300, seed=1)
+    mixtures, apart = nearest_mixtures(device.samples, spectra)
+    np.testing.assert_allclose(np.linalg.norm(spectra - mixtures, axis=1), apart, atol=1e-10)
+    # The plane through the mixture, square to the way to it, has all prints behind it: proof by hand.
+    away = spectra - mixtures
+    ahead = (away @ device.samples.T).max(axis=1) - np.sum(away * mixtures, axis=1)
+    assert ahead.max() < 1e-10
+    weights_exist = [in_hull_by_linear_programme(device.samples, m) for m in mixtures[:20]]
+    assert False not in weights_exist
+
+
+def test_nearest_mixtures_of_a_triangle_are_those_of_plane_geometry():
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]])
+    points = np.array([[3.0, 4.0], [-1.0, -1.0], [1.0, -2.0], [0.5, 0.5], [5.0, 0.0]])
+    # The foot of (3, 4) on the hypotenuse divides it as the squares of the sides, 9 to 16 (Euclid, Elements VI.8).
+    foot = [3 * 9 / 25, 4 * 16 / 25]
+    wanted = np.array([foot, [0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [3.0, 0.0]])
+    np.testing.assert_allclose(nearest_mixtures(corners, points)[0], wanted, atol=1e-10)
+
+
+@pytest.mark.parametrize("copies", [1, 3])
+def test_degenerate_charts_are_hulls_too(copies):
+    line = chart(np.repeat([[0.2, 0.2, 0.2], [0.8, 0.8, 0.8]], copies, axis=0))
+    gamut = HullGamut(line, 0.05, 0.0)
+    spectra = np.array([[0.5, 0.5, 0.5], [0.9, 0.9, 0.9], [0.84, 0.84, 0.84], [0.5, 0.5, 0.6]])
+    np.testing.assert_allclose(gamut.distance(spectra), [0, 0.1, 0.04, 0.1 * np.sqrt(2 / 9)], atol=1e-10)
+    np.testing.assert_array_equal(gamut.contains(spectra), [True, False, True, True])
+    point = HullGamut(chart(np.full((copies, 3), 0.5)), 0.0, 0.0)
+    assert point.distance(np.array([[0.5, 0.5, 0.5], [0.6, 0.6, 0.6]])) == pytest.approx([0, 0.1], abs=1e-12)
+
+
+def test_deciding_early_decides_the_same(hull, device):
+    spectra = spectra_around(device, 400, seed=2)
+    np.testing.assert_array_equal(hull.contains(spectra), hull.violation(spectra) == 0)
+    assert 0.2 < hull.contains(spectra).mean() < 0.95
+
+
+def test_every_convex_gamut_answers_the_same_questions(gamut):
+    assert isinstance(gamut, ConvexGamut)
+    assert "necessary" in gamut.label
+    assert gamut.name in repr(gamut)
+    assert gamut.bands == BANDS
+
+
+def test_nearest_is_inside_and_stays_where_it_is(gamut):
+    spectra = np.random.default_rng(3).uniform(-0.2, 1.3, (60, 7))
+    nearest = gamut.nearest(spectra)
+    assert gamut.contains(nearest).all() or gamut.violation(nearest).max() < 1e-12
+    np.testing.assert_allclose(gamut.nearest(nearest), nearest, atol=1e-9)
+    inside = gamut.contains(spectra)
+    np.testing.assert_allclose(nearest[inside], spectra[inside], atol=1e-12)
+    # A gamut is convex, so that the way to the nearest point is shut by the plane across it.
+    away = spectra - nearest
+    far = np.linalg.norm(away, axis=1) > 1e-6
+    support = gamut.support(away[far])
+    assert np.all((np.sum(away[far] * nearest[far], axis=1) >= support - 1e-8) | np.isinf(support))
+
+
+def test_clip_ends_are_on_the_boundary(gamut):
+    draw = np.random.default_rng(4)
+    origin = np.vstack([draw.uniform(0, 0.9, (30, 7)), np.zeros((10, 7))])
+    direction = np.vstack([draw.normal(0, 1, (30, 7)), draw.uniform(0.3, 1, (10, 7))])
+    found = clip(gamut, origin, direction)
+    met = ~found.empty
+    assert met.sum() > 0
+    for end, outwards in ((found.low, -1), (found.high, 1)):
+        at = origin[met] + end[met, None] * direction[met]
+        assert gamut.violation(at).max() < 1e-9
+        beyond = at + outwards * 1e-6 * direction[met]
+        assert not gamut.contains(beyond).any()
+    middle = origin[met] + (found.low[met] / 3 + found.high[met] * 2 / 3)[:, None] * direction[met]
+    assert gamut.contains(middle).all()
+    missed = np.flatnonzero(found.empty)
+    for t in np.linspace(-2, 2, 81):
+        assert not gamut.contains(origin[missed] + t * direction[missed]).any()
+
+
+def test_hull_clip_agrees_with_a_linear_programme(device):
+    bare = HullGamut(device, 0.0, 0.0)
+    draw = np.random.default_rng(5)
+    inside = draw.dirichlet(np.full(len(device.samples), 0.02), 15) @ device.samples
+    direction = draw.normal(0, 1, inside.shape)
+    low, high = bare.clip(inside, direction)
+    for o, d, a, b in zip(inside, direction, low, high, strict=True):
+        equal = np.vstack([np.column_stack([device.samples.T, -d]), np.append(np.ones(len(device.samples)), 0)])
+        limits = [(0, None)] * len(device.samples) + [(None, None)]
+        ends = [
+            linprog(np.append(np.zeros(len(device.samples)), sign), A_eq=equal, b_eq=np.append(o, 1), bounds=limits).x[
+                -1
+            ]
+            for sign in (1, -1)
+        ]
+        assert (a, b) == pytest.approx(tuple(ends), abs=1e-6)
+
+
+def test_a_line_that_stands_still_is_inside_or_not(hull, device):
+    origin = np.vstack([device.samples[5], np.ones(7) * 1.2])
+    low, high = hull.clip(origin, np.zeros((2, 7)))
+    assert low.tolist() == [-np.inf, np.inf]
+    assert high.tolist() == [np.inf, -np.inf]
+
+
+def test_support_is_reached_by_no_point_and_by_one(hull):
+    directions = np.random.default_rng(6).normal(0, 1, (20, 7))
+    support = hull.support(directions)
+    spectra = np.random.default_rng(7).uniform(0, 1, (500, 7))
+    inside = hull.nearest(spectra)
+    assert np.all(inside @ directions.T <= support + 1e-9)
+    far = hull.nearest(1e4 * directions)
+    np.testing.assert_allclose(np.sum(far * directions, axis=1), support, rtol=1e-3)
+
+
+def test_the_tolerance_is_never_less_than_the_gap_and_is_told(device):
+    tight = hull_gamut(device, tolerance=0.0)
+    assert tight.tolerance == tight.gap > 0
+    assert f"{tight.gap:.4f}" in repr(tight)
+    assert hull_gamut(device, tolerance=0.02).tolerance == 0.02
+    # Prints that were not sampled are inside, which is what the gap is for.
+    amounts = np.random.default_rng(8).uniform(0, 2.2, (200, 3))
+    assert tight.contains(device.printer.printed(amounts)).mean() > 0.95
+    bare = HullGamut(device, 0.0, 0.0)
+    assert not bare.contains(device.printer.printed(amounts)).any()
+    measured = hull_gamut(replace(device, printer=None, modelled=False), tolerance=0.0)
+    assert 0 <= measured.gap < 0.05
+    with pytest.raises(ValueError, match="tolerance = -1"):
+        hull_gamut(device, -1)
+
+
+def test_hull_is_within_the_envelope_and_within_the_colours(device):
+    spectra = spectra_around(device, 300, seed=9)
+    inside = HullGamut(device, 0.0, 0.0).contains(spectra)
+    envelope, colours = device_gamut(device, "envelope", "strict"), colorimetric_gamut(device)
+    assert inside.any()
+    assert envelope.violation(spectra[inside]).max() < 1e-9
+    assert colours.violation(spectra[inside]).max() < 1e-9
+    assert colours.contains(spectra).sum() > inside.sum()
+
+
+def test_colours_inside_agree_with_a_linear_programme(device):
+    gamut = colorimetric_gamut(device, "illuminant/A")
+    spectra = spectra_around(device, 100, seed=10)
+    xyz, prints = spectra @ gamut.observer, device.samples @ gamut.observer
+    for one, verdict in zip(xyz, gamut.contains(spectra), strict=True):
+        wanted = in_hull_by_linear_programme(prints, one)
+        assert wanted is None or wanted == verdict
+
+
+def test_nearest_colour_is_found_no_nearer_by_another_optimiser(device):
+    gamut = colorimetric_gamut(device)
+    spectra = np.random.default_rng(11).uniform(0, 1, (8, 7))
+    nearest = gamut.nearest(spectra)
+    faces = gamut.normals @ gamut.observer.T
+    for target, ours in zip(spectra, nearest, strict=True):
+        found = minimize(
+            lambda r, t=target: np.sum((r - t) ** 2),
+            device.samples.mean(axis=0),
+            jac=lambda r, t=target: 2 * (r - t),
+            constraints=[{"type": "ineq", "fun": lambda r: gamut.offsets - faces @ r, "jac": lambda _: -faces}],
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 500},
+        )
+        assert np.sum((ours - target) ** 2) <= found.fun * (1 + 1e-6) + 1e-9
+
+
+def test_a_match_under_one_light_may_break_under_another(device):
+    day, lamp = (colorimetric_gamut(device, f"illuminant/{light}") for light in ("D50", "A"))
+    spectra = day.nearest(np.random.default_rng(12).uniform(0, 1.2, (200, 7)))
+    assert day.violation(spectra).max() < 1e-12
+    assert 0.05 < lamp.contains(spectra).mean() < 0.95
+
+
+def test_verdicts_are_asked_by_the_name_of_the_model(device):
+    with pytest.raises(ValueError, match=r"model = 'hul': there are 'unit', 'envelope', 'hull'"):
+        device_gamut(device, "hul")
+    with pytest.raises(ValueError, match=r"model = 'monitor': dye3-endura-premier is a printer"):
+        device_gamut(device, "monitor")
+    with pytest.raises(ValueError, match=r"model = 'hull': crt-brainard is a monitor; choose 'monitor'"):
+        device_gamut(load_device("crt-brainard"), "hull")
+    with pytest.raises(ValueError, match=r"black = 'strict': the hull has its own black"):
+        device_gamut(device, "hull", "strict")
+    with pytest.raises(ValueError, match=r"no colour under a light"):
+        colorimetric_gamut(
+            replace(device, bands=RGB, samples=device.samples[:, :3], extrapolated=np.zeros(3, dtype=bool))
+        )
+    with pytest.raises(ValueError, match=r"chart: the colours of its 3 prints lie in a plane"):
+        colorimetric_gamut(chart(np.eye(3)))
