@@ -1,5 +1,6 @@
 """The README's pictures are what the lines beside them make."""
 
+import shlex
 from pathlib import Path
 
 import imageio.v3 as iio
@@ -8,6 +9,7 @@ import pytest
 from scenes_for_tests import SCENES, palettes
 
 import symrt as rt
+from symrt.cli import main
 
 PICTURES = Path(__file__).parent.parent / "notebooks" / "pictures"
 
@@ -31,3 +33,15 @@ def test_a_picture_in_the_readme_is_what_its_lines_make(made, name):
     assert shown.shape == now.shape == (512, 512, 3)
     # Another processor may round a colour to the next code.
     assert np.abs(shown - now).max() <= 1
+
+
+def test_the_readmes_commands_run(tmp_path, monkeypatch, capsys):
+    text = (SCENES.parent / "README.md").read_text()
+    block = text.partition("## On the command line")[2].split("```")[1]
+    lines = [line for line in block.splitlines() if line.startswith("symrt ")]
+    assert len(lines) == 5
+    monkeypatch.chdir(tmp_path)
+    for line in lines:
+        assert main(shlex.split(line.partition("#")[0])[1:]) == 0, line
+    assert (tmp_path / "globe.png").stat().st_size > 10_000
+    assert '"intervals"' in capsys.readouterr().out
