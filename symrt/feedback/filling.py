@@ -18,7 +18,6 @@ from symrt.feedback.caps import UNLIMITED, Cap, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Bound, Limits
 from symrt.feedback.parameters import with_spectra
-from symrt.feedback.polynomials import ROUNDING
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
@@ -32,6 +31,8 @@ __all__ = ["Filled", "Task", "darkest", "lightest"]
 Pixels = Int[np.ndarray, " _"]
 NEARLY = 1e-9
 """A slab whose bound is met to this share is one that binds."""
+INWARD = 8
+"""Times the rounding of a pixel that bounds are moved inwards, because every round computes the pixels anew."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +86,9 @@ def lightest(task: Task) -> Filled:
     rows, unfixable, level = _first_limits(task)
     while free := frozenset(task.symbols).difference(values):
         line = task.line(values, free)
-        bound = _tightened(task.asked.upper, line, len(free))
+        bound = task.asked.upper
         touched = rows[line.touched[rows]]
-        found = intervals(line.seen(bound.matrix, touched), bound, (0.0, high))
+        found = intervals(line.seen(bound.matrix, touched), bound, (0.0, high), INWARD)
         limit = np.full(len(touched), low)
         limit[found.pixel] = found.high
         capped = task.capped(values, free)
@@ -108,9 +109,8 @@ def lightest(task: Task) -> Filled:
 def _first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
     """Pixels that may bind, those that no common scale brings inside, and the level to start at."""
     line = task.line({}, frozenset(task.symbols))
-    bound = _tightened(task.asked.upper, line, len(task.symbols) + 1)
-    touched = np.flatnonzero(line.touched)
-    found = intervals(line.seen(bound.matrix, touched), bound, task.within)
+    bound, touched = task.asked.upper, np.flatnonzero(line.touched)
+    found = intervals(line.seen(bound.matrix, touched), bound, task.within, INWARD)
     return touched[found.pixel[found.high < task.within[1]]], np.delete(touched, found.pixel), task.within[0]
 
 
@@ -131,9 +131,9 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
         below = max((values[n] for n in free - sinking), default=low)
         others = {n: v for n, v in values.items() if n not in sinking}
         line = task.line(others, sinking)
-        bound = _tightened(task.asked.dark, line, len(free))
+        bound = task.asked.dark
         touched = rows[line.touched[rows]]
-        found = intervals(line.seen(bound.matrix, touched), bound, (below, level))
+        found = intervals(line.seen(bound.matrix, touched), bound, (below, level), INWARD)
         limit = np.full(len(touched), level)
         limit[found.pixel] = found.low
         falling = int(np.sum(limit > below))
@@ -174,9 +174,3 @@ def _stopped(
     if not stopped:
         raise ArithmeticError(f"pixel {end.pixel} binds at {level}, but no free scale lights it there")
     return stopped
-
-
-def _tightened(bound: Bound, line: Along, rounds: int) -> Bound:
-    """Bounds moved inwards by what rounding may add in this and in all later rounds."""
-    error = (8 + 4 * rounds) * line.terms * ROUNDING
-    return replace(bound, lower=bound.lower * (1 + error), upper=bound.upper * (1 - error))

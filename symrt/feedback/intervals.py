@@ -16,7 +16,7 @@ from symrt.feedback.limits import Bound
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
 from symrt.spectra.bands import Number
 
-__all__ = ["inside_at", "intervals"]
+__all__ = ["certified", "inside_at", "intervals"]
 
 TILE = 2048
 """Pixels shaded and clipped at a time: their spectra stay in cache."""
@@ -25,14 +25,15 @@ Powers = Float[np.ndarray, "power pixel slab"]
 Slabs = Float[np.ndarray, " slab"]
 
 
-def intervals(line: Along, bound: Bound, within: tuple[Number, Number]) -> Spans:
+def intervals(line: Along, bound: Bound, within: tuple[Number, Number], inward: int = 2) -> Spans:
     """The parts of `within` that keep each row of `line`, already seen through the bound's matrix, inside.
 
-    Rows that no value keeps inside do not occur in the result.
+    Rows that no value keeps inside do not occur in the result.  The bounds are moved inwards by `inward` times what the
+    rounding of a row can amount to.
     """
     tiles = []
     for start in range(0, len(line.degrees), TILE):
-        found = _tile(line, slice(start, start + TILE), bound, within)
+        found = _tile(line, slice(start, start + TILE), bound, within, inward)
         tiles.append(found._replace(pixel=found.pixel + start))
     if not tiles:
         return Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
@@ -50,26 +51,56 @@ def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[
     return inside
 
 
-def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number]) -> Spans:
+def certified(final: Along, line: Along, bound: Bound) -> Bool[np.ndarray, " pixel"]:
+    """Whether each row of a finished image is inside whatever its rounding, in every slab that `line` moves.
+
+    In the others it is enough that the row cannot be told from the boundary.
+    """
+    sure = _moved(bound.lower, bound.upper, final.terms * ROUNDING, 0.0)
+    perhaps = _moved(bound.lower, bound.upper, -final.terms * ROUNDING, 0.0)
+    inside = np.empty(len(final.degrees), dtype=bool)
+    for start in range(0, len(inside), TILE):
+        rows = slice(start, start + TILE)
+        values, moves = final.at(1.0, rows), (line.coefficients(rows)[1:] != 0).any(axis=0)
+        lower, upper = (np.where(moves, *pair) for pair in zip(sure, perhaps, strict=True))
+        inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
+    return inside
+
+
+def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number], inward: int) -> Spans:
     c = line.coefficients(rows)
-    error = 2 * line.terms * ROUNDING
-    extra = error * float(np.abs(c).max(initial=0)) if line.signed else 0.0
+    rounding, size = line.terms * ROUNDING, float(np.abs(c).max(initial=0)) if line.signed else 0.0
+    if line.form == "bernstein":  # differences are rounded, too
+        size += float(c.max(initial=0)) / line.terms
+    lower, upper = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * size)
+    c = _eased(line, c, bound, (lower, upper), rounding)
     curved = line.degrees[rows] > 1
     if not curved.any():
-        return _affine(line, c, bound, within, error, extra)
-    straight = _affine(line, c[:, ~curved], bound, within, error, extra)
-    bent = _curved(line, c[:, curved], _moved(bound.lower, bound.upper, error, extra), within)
+        return _affine(line, c, (lower, upper), within)
+    straight, bent = (
+        _affine(line, c[:, ~curved], (lower, upper), within),
+        _curved(line, c[:, curved], (lower, upper), within),
+    )
     pixel = np.concatenate([np.flatnonzero(~curved)[straight.pixel], np.flatnonzero(curved)[bent.pixel]])
     order = np.argsort(pixel, kind="stable")
     low, high = (np.concatenate([a, b])[order] for a, b in zip(straight[1:], bent[1:], strict=True))
     return Spans(pixel[order], low, high)
 
 
-def _affine(line: Along, c: Powers, bound: Bound, within: tuple[Number, Number], error: float, extra: float) -> Spans:
+def _eased(line: Along, c: Powers, bound: Bound, moved: tuple[Slabs, Slabs], rounding: float) -> Powers:
+    """A slab that t does not move is not asked to keep away from its bounds: what is inside is put where it passes."""
+    still = ~(c[1:] != (0.0 if line.form == "power" else c[0])).any(axis=0)
+    if not still.any():
+        return c
+    lower, upper = _moved(bound.lower, bound.upper, -rounding, 0.0)
+    inside = still & (lower <= c[0]) & (c[0] <= upper)
+    eased = np.where(inside, np.clip(c[0], *moved), c[0])
+    return np.concatenate([eased[None], c[1:] if line.form == "power" else np.where(inside, eased, c[1:])])
+
+
+def _affine(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: tuple[Number, Number]) -> Spans:
     direction = c[1] if line.form == "power" else c[-1] - c[0]
-    if line.form == "bernstein":  # the difference is rounded
-        extra += 2 * ROUNDING * float(np.abs(direction).max(initial=0))
-    found = clip_slabs(*_moved(bound.lower, bound.upper, error, extra), c[0], direction)
+    found = clip_slabs(*bounds, c[0], direction)
     return _within(found.low, found.high, within)
 
 

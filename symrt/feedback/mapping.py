@@ -14,7 +14,7 @@ from jaxtyping import Int
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.filling import Task, darkest, lightest
-from symrt.feedback.intervals import inside_at
+from symrt.feedback.intervals import certified, inside_at
 from symrt.feedback.limits import Bound, Limits, limits
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
@@ -101,9 +101,9 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     bound = task.asked.upper
     outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
     final = along_ends(system, fitted, {})
-    _certify(final, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
+    _certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
     if task.asked.dark is not None and found.lit is not None:
-        _certify(final, task.asked.dark, found.lit)
+        _certify(final, whole, task.asked.dark, found.lit)
     return Fit(
         palette=fitted,
         values=found.values,
@@ -138,8 +138,7 @@ def _task(
     return Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
 
 
-def _certify(final: Along, bound: Bound, pixels: Pixels) -> None:
-    """Every pixel is inside whatever its rounding."""
-    inside = inside_at(final.seen(bound.matrix, pixels), bound, 1.0, -1.0)
+def _certify(final: Along, whole: Along, bound: Bound, pixels: Pixels) -> None:
+    inside = certified(final.seen(bound.matrix, pixels), whole.seen(bound.matrix, pixels), bound)
     if not inside.all():
         raise ArithmeticError(f"pixel {pixels[~inside][0]} could not be certified inside")

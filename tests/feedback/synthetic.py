@@ -52,3 +52,27 @@ def palette(seed=0, mirrors=True):
     spectra |= {f"{m}.diffuse": smooth(0.1, random.uniform(0.3, 0.9)) for m in (*MATTE, "brass")}
     spectra |= {"brass.specular": smooth(0.1, 0.2)} | ({"brass.mirror": smooth(0.1, 0.3)} if mirrors else {})
     return Palette(BANDS, spectra)
+
+
+def awkward(seed):
+    """A small system and palette with ties, zeros, empty rows, spectra of 0 and 1, and products of any degree to 3."""
+    random = np.random.default_rng(seed)
+    materials = [f"m{k}" for k in range(random.integers(2, 6))]
+    symbols = [f"{m}.{c}" for m in materials for c in ("diffuse", "mirror", "specular")]
+    columns = set()
+    for _ in range(random.integers(2, 14)):
+        met = sorted(map(str, random.choice(symbols, random.integers(0, 4))))
+        columns.add(Interaction(str(random.choice(["key", "fill"])), tuple(met)))
+    pixels = int(random.integers(1, 60))
+    shape = (pixels, len(columns))
+    coefficients = random.uniform(0, 1, shape) * (random.uniform(size=shape) < random.uniform(0.1, 0.9))
+    if random.uniform() < 0.3:
+        coefficients = np.round(coefficients * 4) / 4
+    spectra = {}
+    for name in symbols:
+        flat = random.uniform() < 0.3
+        spectra[name] = random.choice([0, 0.5, 1], 36) if flat else random.uniform(0, 1, 36) * random.choice([1, 1e-3])
+    spectra["key"] = np.full(36, 2.0) if random.uniform() < 0.5 else random.uniform(0.5, 4, 36)
+    spectra["fill"] = random.uniform(0, 1, 36)
+    image = LinearSystem(sparse.csr_array(coefficients), tuple(sorted(columns)), 1, pixels, {"key": 0.5, "fill": 0.5})
+    return image, Palette(BANDS, spectra), materials

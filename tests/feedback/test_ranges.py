@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from feedback.synthetic import BANDS, palette, system
+from feedback.synthetic import BANDS, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog
 
@@ -259,6 +259,32 @@ def test_a_picture_of_nothing_is_inside_whatever_happens():
     empty = replace(IMAGE, G=sparse.csr_array(IMAGE.G.shape))
     found = feasible(empty, COLOURS, UNIT, Scale("key"))
     assert (found.intervals, found.objects, found.verdict) == (((0.01, 3.0),), 0, "complete")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_awkward_systems_are_inside_at_every_end_and_outside_beyond(seed):
+    image, colours, materials = awkward(seed)
+    objects = np.flatnonzero(image.object_pixels)
+    for parameter in (Scale("key"), Scale(materials[0]), Scale("m1.diffuse"), Blend("m0", "m1")):
+        found = feasible(image, colours, ENVELOPE, parameter, cap=False)
+        kept = ~np.isin(objects, np.concatenate([found.untouched_outside, found.unfixable]))
+        for t in np.ravel(found.intervals):
+            assert not outside(ENVELOPE, reflectances(image, colours, parameter, float(t))[kept], 4e-16).any()
+        for ends, reasons in zip(found.intervals, found.reasons, strict=True):
+            for t, why, step in zip(ends, reasons, (-1e-6, 1e-6), strict=True):
+                if why.side == "upper":
+                    beyond = reflectances(image, colours, parameter, t + step * max(t, 1e-3))
+                    band = BANDS.labels.index(why.band)
+                    assert beyond[objects == why.x][0, band] > ENVELOPE.upper[band]
+
+
+def test_a_band_that_the_parameter_does_not_move_may_lie_on_its_bound():
+    columns = (Interaction("key", ("a.diffuse",)), Interaction("key", ("b.diffuse",)))
+    image = LinearSystem(sparse.csr_array([[0.5, 0.5]]), columns, 1, 1, {"key": 0.5})
+    first, second = np.repeat([1.0, 0.0], 18), np.repeat([0.0, 0.25], 18)
+    colours = Palette(BANDS, {"key": 2.0, "a.diffuse": first, "b.diffuse": second})
+    found = feasible(image, colours, UNIT, Scale("b"), within=(0.01, 9.0), cap=False)
+    assert found.high == pytest.approx(4.0, rel=1e-12)
 
 
 def test_the_answer_reads_like_a_sentence_and_says_what_is_modelled():
