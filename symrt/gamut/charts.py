@@ -6,6 +6,7 @@ What a file is, its content tells; nothing in it is evaluated, and no more is re
 import csv
 import io
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,9 @@ __all__ = ["load_chart"]
 
 LARGEST = 32 << 20
 """Bytes that a chart may have, and that an array of it may unpack to: a hundred times the largest charts in use."""
+
+DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, KeyError, OSError, RuntimeError, MemoryError)
+"""What reading an archive raises that was cut, changed, encrypted, or packed in a way unknown."""
 
 
 def load_chart(path: str | Path) -> Device:
@@ -131,5 +135,5 @@ def _arrays(content: bytes) -> dict[str, np.ndarray]:
             raise ValueError(f"{shown(large[0])} unpacks to more than {LARGEST >> 20} MiB; no chart is so large")
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
-    except (zipfile.BadZipFile, EOFError, KeyError, OSError, NotImplementedError) as error:
-        raise ValueError(f"not a whole .npz ({error}): save it again with numpy.savez") from None
+    except DAMAGE as error:
+        raise ValueError(f"not a whole .npz ({str(error)[:80]}): save it again with numpy.savez") from None

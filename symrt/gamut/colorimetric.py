@@ -18,8 +18,8 @@ from scipy.spatial import ConvexHull, QhullError
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.colorimetry import tristimulus
 from symrt.gamut.device import Device
-from symrt.gamut.hull import nearest_mixtures
 from symrt.gamut.interface import ROUNDING, clip_halfspaces
+from symrt.gamut.mixtures import nearest_mixtures
 from symrt.spectra.bands import Bands
 
 __all__ = ["ColorimetricGamut", "colorimetric_gamut"]

@@ -60,7 +60,7 @@ def read_cxf(content: bytes) -> Measured:
 def _check_xml(content: bytes) -> None:
     """Read the file once for its form alone: no document type, no entities, not too deep."""
     depth = 0
-    parser = expat.ParserCreate()
+    parser = expat.ParserCreate(namespace_separator="}")  # as ElementTree has it
 
     def refuse(*_: Any) -> None:
         raise ValueError(
@@ -80,7 +80,7 @@ def _check_xml(content: bytes) -> None:
     parser.StartDoctypeDeclHandler, parser.StartElementHandler, parser.EndElementHandler = refuse, enter, leave
     try:
         parser.Parse(content, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, LookupError) as error:  # a lookup fails for an encoding that nobody knows
         raise ValueError(f"not whole XML ({error}): copy the file again, or export it anew") from None
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from symrt.gamut.charts import DAMAGE
 from symrt.gamut.device import Device, Printer
 from symrt.gamut.dyes import Dyes
 from symrt.gamut.halftone import Halftone
@@ -89,7 +90,7 @@ def load_gamut(path: str | Path) -> Gamut:
         return _gamut(arrays, header)
     except FileNotFoundError:
         raise ValueError(f"{path}: no such file; save a gamut with save_gamut first") from None
-    except (zipfile.BadZipFile, KeyError, TypeError, AttributeError, EOFError, OSError, ValueError) as error:
+    except (*DAMAGE, TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{path}: not a whole symrt gamut ({error}); save it again with save_gamut") from error
 
 

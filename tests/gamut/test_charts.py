@@ -1,6 +1,7 @@
 """Readers of charts on files that the test writes in every variant, and on one real chart of another library."""
 
 import importlib.util
+import io
 import zipfile
 from pathlib import Path
 
@@ -244,6 +245,8 @@ BROKEN_CXF = {
     "missing band": (cxf_chart().replace(">0.9 0.9", ">0.9", 1), r"object '2': Bands\(36 .* keep one measurement"),
     "ink": (cxf_chart().replace(">100</cc:Cyan>", ">101</cc:Cyan>"), r"object '2': Cyan is 101: inks are percent"),
     "other inks": (cxf_chart().replace("Orange", "Green", 1), r"object '2': other inks"),
+    "encoding": (cxf_chart().replace('encoding="UTF-8"', 'encoding="secret"'), r"not whole XML \(unknown encoding"),
+    "prefix": (cxf_chart().replace("<cc:Resources>", "<cd:Resources>"), r"not whole XML \(unbound prefix"),
     "step": (cxf_chart().replace('Increment="10"', 'Increment="0"'), r"object '1': bands: .*must increase"),
 }
 
@@ -333,6 +336,47 @@ def test_bombs_are_refused_before_they_unfold(tmp_path):
         out.truncate(33 << 20)
     with pytest.raises(ValueError, match=r"a chart has at most 32 MiB"):
         load_device(file)
+
+
+def whole_files():
+    """A file of each kind."""
+    archive = io.BytesIO()
+    np.savez_compressed(archive, wavelengths=NM, reflectances=SPECTRA, amounts=AMOUNTS)
+    table = "\n".join(",".join(map(str, row)) for row in [list(NM), *SPECTRA.tolist()])
+    texts = {"a.ti3": text_chart(**VARIANTS["Argyll"]), "b.txt": text_chart(), "c.cxf": cxf_chart(), "d.csv": table}
+    return {name: text.encode() for name, text in texts.items()} | {"e.npz": archive.getvalue()}
+
+
+def damaged(content, draw):
+    """The file with some bytes changed, lost, doubled or cut off, or a word thrown in."""
+    first = int(draw.integers(len(content)))
+    last = first + int(draw.integers(1, 40))
+    word = [b"nan", b"1e999", b'"', b"\t", b"\n", b"END_DATA\n", b"<", b"&x;", b"-", b"9" * 99][draw.integers(10)]
+    return [
+        content[:first] + content[last:],
+        content[:first] + draw.bytes(1) + content[first + 1 :],
+        content[:last] + content[first:],
+        content[:first],
+        content[:first] + word + content[first:],
+    ][draw.integers(5)]
+
+
+@pytest.mark.parametrize("name", whole_files())
+def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, name):
+    file, whole = tmp_path / name, whole_files()[name]
+    draw = np.random.default_rng(0)
+    refused = []
+    for _ in range(150):
+        file.write_bytes(damaged(whole, draw))
+        try:
+            device = load_device(file)
+        except ValueError as error:
+            refused.append(str(error))
+        else:
+            assert np.isfinite(device.samples).all()
+            assert (device.samples.min(), device.samples.max()) >= (-0.01, 0)
+    assert len(refused) > 75
+    assert all(line.startswith(f"{file}: ") and "\n" not in line and len(line) < 500 for line in refused)
 
 
 def test_paths_that_lead_to_no_chart_are_named(tmp_path):

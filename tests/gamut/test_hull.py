@@ -9,7 +9,8 @@ from scipy.optimize import linprog, minimize
 from symrt.feedback.clipping import clip
 from symrt.gamut import ConvexGamut, Device, device_gamut, load_device
 from symrt.gamut.colorimetric import colorimetric_gamut
-from symrt.gamut.hull import HullGamut, hull_gamut, nearest_mixtures
+from symrt.gamut.hull import HullGamut, hull_gamut
+from symrt.gamut.mixtures import nearest_mixtures
 from symrt.spectra.bands import RGB, wavelengths
 
 BANDS = wavelengths(400, 700, 50)

@@ -1,0 +1,95 @@
+"""The mixture of some points that is nearest to another: distances to the convex hulls of step 4.
+
+The nearest mixture comes from non-negative least squares [1]_: the v that minimises ``‖(S − r)ᵀ v‖² + (Σ v − 1)²`` has
+the weights' ratios.  Only a few prints take part; those that a plane through their mixture leaves outside are brought
+in until there are none, and that plane then proves how far the hull is.
+
+References
+----------
+.. [1] C. L. Lawson and R. J. Hanson, "Solving Least Squares Problems", Prentice-Hall 1974, ch. 23.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.optimize import nnls
+
+from symrt.arrays import PerPixel, PixelBands, Spectrum
+
+__all__ = ["EXACT", "nearest_mixtures"]
+
+BROUGHT_IN = 16
+"""Prints that join the mixture of a spectrum in each round."""
+ROUNDS = 200
+EXACT = 1e-10
+"""Distances, in reflectance, are known to this."""
+CHUNK = 2048
+"""Spectra whose inner products with all prints are in memory at once."""
+
+
+def nearest_mixtures(
+    samples: Float[np.ndarray, "sample band"], spectra: PixelBands, enough: float | None = None
+) -> tuple[PixelBands, PerPixel]:
+    """The mixture of samples nearest to each spectrum, and a distance that no mixture comes nearer than.
+
+    Parameters
+    ----------
+    samples
+        Points whose convex hull is meant, one a row.
+    spectra
+        Points to come near to.
+    enough
+        Stop where it is certain whether the distance is below or above this; None, go on to the nearest of all.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> mixtures, apart = nearest_mixtures(corners, np.array([[1.0, 1.0], [0.2, 0.2]]))
+    >>> mixtures.round(9).tolist(), apart.round(6).tolist()
+    ([[0.5, 0.5], [0.2, 0.2]], [0.707107, 0.0])
+    """
+    chunks = range(0, len(spectra), CHUNK)
+    parts = [_nearest(samples, spectra[first : first + CHUNK], enough) for first in chunks]
+    if not parts:
+        return spectra.copy(), np.zeros(0)
+    return np.vstack([mixtures for mixtures, _ in parts]), np.concatenate([apart for _, apart in parts])
+
+
+def _nearest(
+    samples: Float[np.ndarray, "sample band"], spectra: PixelBands, enough: float | None
+) -> tuple[PixelBands, PerPixel]:
+    squares = np.sum(samples**2, axis=1) - 2 * (spectra @ samples.T)
+    few = min(BROUGHT_IN, len(samples))
+    taking_part = list(np.argpartition(squares, few - 1, axis=1)[:, :few])
+    mixtures, apart = spectra.copy(), np.zeros(len(spectra))
+    rows = np.arange(len(spectra))
+    for _ in range(ROUNDS):
+        # SciPy has no batched least squares of this kind; each of these small problems takes some 20 µs.
+        for row in rows:
+            taking_part[row], mixtures[row] = _mixed(samples, taking_part[row], spectra[row])
+        normals = spectra[rows] - mixtures[rows]
+        length = np.linalg.norm(normals, axis=1)
+        beyond = normals @ samples.T
+        reach = np.sum(normals * spectra[rows], axis=1) - beyond.max(axis=1)
+        apart[rows] = np.maximum(apart[rows], reach / np.maximum(length, np.finfo(float).tiny))
+        done = length - apart[rows] <= EXACT / 4
+        if enough is not None:
+            done |= (length <= enough) | (apart[rows] > enough + EXACT)
+        rows, beyond = rows[~done], beyond[~done]
+        if not rows.size:
+            break
+        for row, newcomers in zip(rows, np.argpartition(-beyond, few - 1, axis=1)[:, :few], strict=True):
+            taking_part[row] = np.union1d(taking_part[row], newcomers)
+    return mixtures, apart
+
+
+def _mixed(
+    samples: Float[np.ndarray, "sample band"], taking_part: Int[np.ndarray, " few"], spectrum: Spectrum
+) -> tuple[Int[np.ndarray, " less"], Spectrum]:
+    """The samples that the nearest mixture of a few is made of, and that mixture."""
+    away = (samples[taking_part] - spectrum).T
+    scale = max(float(np.abs(away).max()), np.finfo(float).tiny)
+    rows = np.vstack([away / scale, np.ones(len(taking_part))])
+    weights, _ = nnls(rows, np.append(np.zeros(len(spectrum)), 1.0))
+    used = weights > 0
+    weights = weights[used] / weights[used].sum()
+    return taking_part[used], spectrum + away[:, used] @ weights
