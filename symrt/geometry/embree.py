@@ -68,7 +68,7 @@ def thicken(vertices: Float[np.ndarray, "3 vertex"], faces: Int[np.ndarray, "3 f
     return Thickened(scene, keep, centre, radius, faces.shape[1])
 
 
-def first_seen(mesh: Thickened, rays: Rays, start: PerRay, backwards: bool = False) -> Int[np.ndarray, " ray"]:
+def first_seen(mesh: Thickened, rays: Rays, start: PerRay) -> Int[np.ndarray, " ray"]:
     """The triangle each ray meets first from `start` on, `NOTHING`, or `DOUBTFUL` where an edge is too near to tell.
 
     Examples
@@ -86,8 +86,7 @@ def first_seen(mesh: Thickened, rays: Rays, start: PerRay, backwards: bool = Fal
     True
     """
     origin = (rays.origin + start * rays.direction - mesh.centre) / mesh.radius
-    direction = -rays.direction if backwards else rays.direction
-    found = mesh.scene.run(origin.T.astype(np.float32, order="C"), direction.T.astype(np.float32, order="C"))
+    found = mesh.scene.run(origin.T.astype(np.float32, order="C"), rays.direction.T.astype(np.float32, order="C"))
     return np.where(found < mesh.triangles, found, DOUBTFUL).astype(np.int32)
 
 

@@ -61,9 +61,10 @@ def load_mesh(mesh: Mesh, folder: Path) -> TriangleMesh:
     np.float64(2.0)
     """
     try:
-        parts = _read(folder / mesh.file)
-        names = _material_names(mesh, [part.material for part in parts])
-        return _joined(mesh, parts, names)
+        # Numbers that are no numbers, or too large, are found in the end, by the record of triangles.
+        with np.errstate(all="ignore"):
+            parts = _read(folder / mesh.file)
+            return _joined(mesh, parts, _material_names(mesh, [part.material for part in parts]))
     except (OSError, ValueError) as error:
         raise ValueError(f"{mesh.file}: {error}") from error
 

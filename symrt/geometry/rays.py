@@ -248,13 +248,14 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
     """
     blocked = np.zeros(len(rays), bool)
     for start in range(0, len(rays), BLOCK):
-        open_rays = np.arange(start, min(start + BLOCK, len(rays)))
+        chosen = np.arange(start, min(start + BLOCK, len(rays)))
+        part = rays[start : start + BLOCK]
         for shape in shapes:
-            if not open_rays.size:
-                break
-            hidden = intersect(shape, rays[open_rays]).distance < limit[open_rays]
-            blocked[open_rays[hidden]] = True
-            open_rays = open_rays[~hidden]
+            hidden = intersect(shape, part).distance < limit[chosen]
+            blocked[chosen[hidden]] = True
+            # Copying the rays that are left pays once enough of them are done with.
+            if np.count_nonzero(hidden) * 8 > hidden.size:
+                chosen, part = chosen[~hidden], part[~hidden]
     return blocked
 
 

@@ -228,7 +228,8 @@ def weights_relief(texture: BandedRelief, uv: UV, extent: UV) -> Weights:  # noq
     height = elevation(uv)
     levels = np.array(texture.levels, dtype=float)[:, None]
     if texture.blend > 0:
-        ramps = np.clip((height - (levels - texture.blend)) / (2 * texture.blend), 0.0, 1.0)
+        with np.errstate(over="ignore"):
+            ramps = np.clip((height - (levels - texture.blend)) / (2 * texture.blend), 0.0, 1.0)
     else:
         ramps = (height >= levels).astype(float)
     ones, zeros = np.ones((1, uv.shape[1])), np.zeros((1, uv.shape[1]))

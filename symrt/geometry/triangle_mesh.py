@@ -141,12 +141,10 @@ def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, lo
     depth = np.full(chosen.size, np.inf)
     named = np.flatnonzero(seen >= 0)
     depth[named] = triangles.crossings(mesh.corners, mesh.unit_normals, part, named, seen[named])
+    # Surfaces within a step of the one that is named, single precision may have put in the wrong order.
     sure = (depth > low) & (depth < np.inf)
-    # Looking back from a step behind shows another surface that single precision may have put on the wrong side.
-    sure[sure] = embree.first_seen(thickened, part[sure], depth[sure] + step, backwards=True) == seen[sure]
-    _record(found, chosen[sure], Crossing(depth[sure], seen[sure]))
-    count = int(np.sum(~sure))
-    _record(found, chosen[~sure], _nearest_between(mesh, part[~sure], np.full(count, low), np.full(count, np.inf)))
+    first, last = np.where(sure, np.maximum(depth - step, low), low), np.where(sure, depth, np.inf)
+    _record(found, chosen, _nearest_between(mesh, part, first, last))
     return found
 
 

@@ -75,7 +75,9 @@ def test_rays_from_anywhere(draws):
     def aim(unit, base, height, radius):
         direction = directions(generator, RAYS)
         sideways = across(generator, np.repeat(unit, RAYS, axis=1))
-        target = base + height * generator.uniform(0, 1, RAYS) * unit + radius * generator.uniform(0, 1, RAYS) * sideways
+        target = (
+            base + height * generator.uniform(0, 1, RAYS) * unit + radius * generator.uniform(0, 1, RAYS) * sideways
+        )
         return target - (height + radius) * 10 ** generator.uniform(-1, 3, RAYS) * direction, direction
 
     check(generator, draws, aim)
