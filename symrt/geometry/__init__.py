@@ -2,13 +2,13 @@
 
 from symrt.geometry.cylinder import Cylinder
 from symrt.geometry.mesh import Mesh, load_mesh
-from symrt.geometry.planes import Disk, Plane, Rectangle
+from symrt.geometry.pictures import LabelImage, WeightImage, load_texture
+from symrt.geometry.planes import Disk, Plane
 from symrt.geometry.rays import (
     Crossing,
     Hits,
     Rays,
     Surface,
-    Triple,
     clearance,
     encloses,
     intersect,
@@ -19,8 +19,10 @@ from symrt.geometry.rays import (
     surfaces,
     translate,
 )
+from symrt.geometry.records import Triple
+from symrt.geometry.rectangle import Rectangle
 from symrt.geometry.sphere import Sphere
-from symrt.geometry.textures import BandedRelief, Checker, LabelImage, WeightImage, load_texture, weights
+from symrt.geometry.textures import BandedRelief, Checker, weights
 from symrt.geometry.triangle_mesh import TriangleMesh
 
 __all__ = [

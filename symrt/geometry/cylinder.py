@@ -29,22 +29,8 @@ from symrt.arrays import (
     two_sum,
 )
 from symrt.geometry.planes import flat_surface, plane_axes
-from symrt.geometry.rays import (
-    ROUNDING,
-    Crossing,
-    Rays,
-    Surface,
-    Triple,
-    clearance,
-    column,
-    encloses,
-    finite,
-    intersect,
-    moved,
-    positive,
-    surface,
-    translate,
-)
+from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import Triple, column, finite, moved, positive
 
 __all__ = ["Cylinder"]
 
@@ -77,6 +63,7 @@ class Cylinder:
         positive("cylinder", radius=self.radius)
         if tuple(self.base) == tuple(self.top):
             raise ValueError(f"cylinder: base and top are both {self.base}: they must differ")
+        positive("cylinder", height=float(length(_axis(self)[0])[0]))
 
 
 @intersect.register(Cylinder)

@@ -52,9 +52,10 @@ def thicken(vertices: Float[np.ndarray, "3 vertex"], faces: Int[np.ndarray, "3 f
     from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415 (only where it is installed)
     from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
 
-    low, high = vertices.min(axis=1, keepdims=True), vertices.max(axis=1, keepdims=True)
-    centre = low + (high - low) / 2
+    centre = (vertices.min(axis=1, keepdims=True) + vertices.max(axis=1, keepdims=True)) / 2
     radius = float(np.sqrt(dot(vertices - centre, vertices - centre)).max())
+    if radius == 0:
+        return None
     unit = (vertices - centre) / radius
     points, prisms = _prisms(unit, faces)
     scene = EmbreeScene()
@@ -87,7 +88,8 @@ def first_seen(mesh: Thickened, rays: Rays, start: PerRay) -> Int[np.ndarray, " 
     """
     origin = (rays.origin + start * rays.direction - mesh.centre) / mesh.radius
     found = mesh.scene.run(origin.T.astype(np.float32, order="C"), rays.direction.T.astype(np.float32, order="C"))
-    return np.where(found < mesh.triangles, found, DOUBTFUL).astype(np.int32)
+    # From beyond 2²⁸ radii the point of entry is no longer known to the width of a prism.
+    return np.where((found < mesh.triangles) & (start < 2.0**28 * mesh.radius), found, DOUBTFUL).astype(np.int32)
 
 
 def _prisms(

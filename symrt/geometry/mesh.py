@@ -7,10 +7,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from symrt.geometry.rays import Triple, finite, positive
+from symrt.geometry.records import Triple, finite, positive
 from symrt.geometry.triangle_mesh import TriangleMesh
 
 __all__ = ["Mesh", "TriangleMesh", "load_mesh"]
+
+FORMATS = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 
 
 @dataclass(frozen=True)
@@ -86,13 +88,15 @@ def _read(path: Path) -> list[_Part]:
 
     if not path.is_file():
         raise ValueError("there is no such file; give a path below the scene's folder")
+    if path.suffix.lower() not in FORMATS:
+        raise ValueError(f"{path.suffix!r} is not the suffix of a mesh that is read: {', '.join(FORMATS)}")
     try:
         # The readers warn of nan and of empty files, which are errors here, found below.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             scene = trimesh.load_scene(path, process=False)
     except Exception as error:
-        raise ValueError(f"trimesh cannot read it ({error}); give an OBJ, PLY, STL, OFF or GLB file") from error
+        raise ValueError(f"trimesh cannot read it ({error}); is it whole, and what its suffix says?") from error
     nodes = [(scene.graph[node], node) for node in sorted(scene.graph.nodes_geometry)]
     parts = [_part(scene.geometry[name], matrix) for (matrix, name), _ in nodes]
     if not any(len(part.faces) for part in parts):
@@ -117,7 +121,7 @@ def _part(
     uv = getattr(visual, "uv", None)
     return _Part(
         material=getattr(getattr(visual, "material", None), "name", None),
-        vertices=vertices @ linear.T + matrix[:3, 3],
+        vertices=(_transformed(linear, vertices.T) + matrix[:3, 3:]).T,
         faces=faces,
         normals=normals,
         uv=None if uv is None else np.asarray(uv, dtype=float),
@@ -150,7 +154,7 @@ def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
     normals = uv = None
     if all(part.normals is not None for part in parts):
-        normals = turn @ np.concatenate([np.asarray(part.normals) for part in parts]).T
+        normals = _transformed(turn, np.concatenate([np.asarray(part.normals) for part in parts]).T)
         # A file may round its normals or weigh them; between corners only their directions are blended.
         lengths = np.linalg.norm(normals, axis=0)
         normals = normals / np.where(lengths > 0, lengths, 1.0)
@@ -160,13 +164,18 @@ def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
         uv = np.stack([uv[0], 1 - uv[1]])
     points = np.concatenate([part.vertices for part in parts]).T
     return TriangleMesh(
-        vertices=turn @ (mesh.scale * points) + np.array(mesh.translate, dtype=float).reshape(3, 1),
+        vertices=_transformed(turn, mesh.scale * points) + np.array(mesh.translate, dtype=float).reshape(3, 1),
         faces=np.concatenate([part.faces + start for part, start in zip(parts, starts[:-1], strict=True)]).T,
         materials=materials,
         face_material=np.repeat([materials.index(name) for name in names], [len(part.faces) for part in parts]),
         normals=normals,
         uv=uv,
     )
+
+
+def _transformed(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """``matrix · v`` for each column; without BLAS, which may round equal columns differently and open seams."""
+    return np.stack([row[0] * vectors[0] + row[1] * vectors[1] + row[2] * vectors[2] for row in matrix])
 
 
 def _rotation(degrees: Triple) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Flat shapes (step 1): plane, disk and rectangle, ``n · (origin + t direction − point) = 0``.
+"""Planes and disks (step 1), and what all flat shapes share: ``n · (origin + t direction − point) = 0``.
 
 At grazing incidence both dot products cancel; they are compensated, which leaves at most 2 ulp in the distance.
 
@@ -22,29 +22,14 @@ from symrt.arrays import (
     exact,
     length,
     normalise,
-    pair_cross,
     pair_dot,
     pair_quotient,
     two_sum,
 )
-from symrt.geometry.rays import (
-    ROUNDING,
-    Crossing,
-    Rays,
-    Surface,
-    Triple,
-    clearance,
-    column,
-    encloses,
-    finite,
-    intersect,
-    moved,
-    positive,
-    surface,
-    translate,
-)
+from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import LARGEST, Triple, column, finite, has_direction, moved, positive
 
-__all__ = ["Disk", "Plane", "Rectangle"]
+__all__ = ["Column", "Disk", "Plane", "bounded", "flat_surface", "plane_axes", "plane_distance"]
 
 Column = Float[np.ndarray, "3 1"]
 
@@ -66,7 +51,7 @@ class Plane:
 
     def __post_init__(self) -> None:
         finite("plane", point=self.point, normal=self.normal)
-        _has_direction("plane", normal=self.normal)
+        has_direction("plane", normal=self.normal)
 
 
 @dataclass(frozen=True)
@@ -87,37 +72,8 @@ class Disk:
 
     def __post_init__(self) -> None:
         finite("disk", centre=self.centre, normal=self.normal, radius=self.radius)
-        _has_direction("disk", normal=self.normal)
+        has_direction("disk", normal=self.normal)
         positive("disk", radius=self.radius)
-
-
-@dataclass(frozen=True)
-class Rectangle:
-    """A rectangle with full edges and the normal edge_u × edge_v, its border included.
-
-    Its coordinates run from 0 to 1: u along `edge_u` and v along `edge_v`, from the corner
-    centre − edge_u/2 − edge_v/2; the extent is the lengths of the edges.
-
-    Examples
-    --------
-    >>> Rectangle(centre=(0, 0, 0), edge_u=(20, 0, 0), edge_v=(0, 0, -20), material="floor").edge_u
-    (20, 0, 0)
-    """
-
-    centre: Triple
-    edge_u: Triple
-    edge_v: Triple
-    material: str
-    type: Literal["rectangle"] = field(default="rectangle", kw_only=True)
-
-    def __post_init__(self) -> None:
-        finite("rectangle", centre=self.centre, edge_u=self.edge_u, edge_v=self.edge_v)
-        _has_direction("rectangle", edge_u=self.edge_u, edge_v=self.edge_v)
-        u, v = normalise(column(self.edge_u)), normalise(column(self.edge_v))
-        if abs(float(dot(u, v)[0])) > 1e-6:
-            raise ValueError(
-                f"rectangle: edge_u = {self.edge_u} and edge_v = {self.edge_v}: they must be perpendicular"
-            )
 
 
 @intersect.register(Plane)
@@ -130,7 +86,7 @@ def intersect_plane(plane: Plane, rays: Rays, low: float = 0.0) -> Crossing:
     >>> intersect_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray).distance
     array([2.5])
     """
-    return _bounded(column(plane.point), column(plane.normal), rays, low, np.inf, None)
+    return bounded(column(plane.point), column(plane.normal), rays, low, np.inf, None)
 
 
 @intersect.register(Disk)
@@ -144,26 +100,7 @@ def intersect_disk(disk: Disk, rays: Rays, low: float = 0.0) -> Crossing:
     array([inf])
     """
     radius = float(disk.radius)
-    return _bounded(column(disk.centre), column(disk.normal), rays, low, radius, lambda m: dot(m, m) <= radius**2)
-
-
-@intersect.register(Rectangle)
-def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> Crossing:
-    """Crossing with a rectangle beyond `low`.
-
-    Examples
-    --------
-    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
-    >>> intersect_rectangle(Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor"), ray).distance
-    array([2.5])
-    """
-
-    def inside(m: Vectors) -> Bool[np.ndarray, " ray"]:
-        u, v = np.abs(_rectangle_coordinates(rectangle, m))
-        return (u <= 0.5) & (v <= 0.5)
-
-    reach = float(np.hypot(np.linalg.norm(rectangle.edge_u), np.linalg.norm(rectangle.edge_v)))
-    return _bounded(column(rectangle.centre), _rectangle_normal(rectangle), rays, low, reach, inside)
+    return bounded(column(disk.centre), column(disk.normal), rays, low, radius, lambda m: dot(m, m) <= radius**2)
 
 
 def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
@@ -182,7 +119,7 @@ def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
     return -pair_quotient(pair_dot(offset, exact(normal)), pair_dot(exact(rays.direction), exact(normal)))
 
 
-def _bounded(
+def bounded(
     point: Column, normal: Column, rays: Rays, low: float, reach: float, inside: Callable[[Vectors], np.ndarray] | None
 ) -> Crossing:
     """Crossing with the part of a plane where `inside`, told the offset from `point`, holds: within `reach` of it."""
@@ -190,12 +127,12 @@ def _bounded(
     with np.errstate(all="ignore"):
         if _is_axis(normal):
             found = plane_distance(point, normal, rays)
-            chosen = np.flatnonzero((found > low) & (found < np.inf))
+            chosen = np.flatnonzero((found > low) & (found <= LARGEST))
             found = found[chosen]
         else:
             chosen = np.flatnonzero(_possible(point, normal, rays, reach))
             found = plane_distance(point, normal, rays[chosen])
-            ahead = (found > low) & (found < np.inf)
+            ahead = (found > low) & (found <= LARGEST)
             chosen, found = chosen[ahead], found[ahead]
         if inside is not None:
             met = inside((rays.origin[:, chosen] - point) + found * rays.direction[:, chosen])
@@ -248,29 +185,6 @@ def surface_disk(disk: Disk, rays: Rays, distance: PerRay, primitive: Int[np.nda
     return flat_surface(column(disk.centre), column(disk.normal), rays, distance)
 
 
-@surface.register(Rectangle)
-def surface_rectangle(
-    rectangle: Rectangle,
-    rays: Rays,
-    distance: PerRay,
-    primitive: Int[np.ndarray, " ray"],  # noqa: ARG001
-) -> Surface:
-    """Surface of a rectangle where rays meet it.
-
-    Examples
-    --------
-    >>> ray = Rays(origin=np.array([[0.0], [2.0], [5.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
-    >>> floor = Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor")
-    >>> surface_rectangle(floor, ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T
-    array([[0.5 , 0.25]])
-    """
-    centre = column(rectangle.centre)
-    flat = flat_surface(centre, _rectangle_normal(rectangle), rays, distance)
-    uv = np.clip(_rectangle_coordinates(rectangle, flat.point - centre) + 0.5, 0.0, 1.0)
-    edges = [[float(np.linalg.norm(rectangle.edge_u))], [float(np.linalg.norm(rectangle.edge_v))]]
-    return replace(flat, uv=uv, extent=np.broadcast_to(edges, uv.shape).copy())
-
-
 def flat_surface(point: Column, normal: Column, rays: Rays, distance: PerRay) -> Surface:
     """Surface of the plane through `point` where rays meet it, refined onto the plane by an exact residual.
 
@@ -310,17 +224,6 @@ def _plane_coordinates(normal: Column, offset: Vectors) -> Float[np.ndarray, "2 
     return np.stack([dot(offset, u), dot(offset, v)])
 
 
-def _rectangle_normal(rectangle: Rectangle) -> Column:
-    return pair_cross(exact(column(rectangle.edge_u)), exact(column(rectangle.edge_v)))[0]
-
-
-def _rectangle_coordinates(rectangle: Rectangle, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
-    """Shares of the two edges in an offset from the centre, from −½ to ½ inside."""
-    u, v, normal = column(rectangle.edge_u), column(rectangle.edge_v), _rectangle_normal(rectangle)
-    for_u, for_v = np.cross(v, normal, axis=0), np.cross(normal, u, axis=0)
-    return np.stack([dot(offset, for_u) / dot(u, for_u), dot(offset, for_v) / dot(v, for_v)])
-
-
 @translate.register(Plane)
 def translate_plane(plane: Plane, by: Point) -> Plane:
     """The plane moved `by` a vector.
@@ -334,22 +237,20 @@ def translate_plane(plane: Plane, by: Point) -> Plane:
 
 
 @translate.register(Disk)
-@translate.register(Rectangle)
-def translate_centred(shape: Disk | Rectangle, by: Point) -> Disk | Rectangle:
-    """The disc or rectangle moved `by` a vector.
+def translate_disk(disk: Disk, by: Point) -> Disk:
+    """The disc moved `by` a vector.
 
     Examples
     --------
-    >>> translate_centred(Disk((0, 0, 0), (0, 1, 0), 1, "base"), np.array([0.0, 2.0, 0.0])).centre
+    >>> translate_disk(Disk((0, 0, 0), (0, 1, 0), 1, "base"), np.array([0.0, 2.0, 0.0])).centre
     (0.0, 2.0, 0.0)
     """
-    return replace(shape, centre=moved(shape.centre, by))
+    return replace(disk, centre=moved(disk.centre, by))
 
 
 @encloses.register(Plane)
 @encloses.register(Disk)
-@encloses.register(Rectangle)
-def encloses_flat(shape: Plane | Disk | Rectangle, point: Point) -> bool:  # noqa: ARG001
+def encloses_flat(shape: Plane | Disk, point: Point) -> bool:  # noqa: ARG001
     """Nothing is inside a flat shape.
 
     Examples
@@ -385,23 +286,3 @@ def clearance_disk(disk: Disk, point: Point) -> float:
     height = dot(offset, unit)
     outside = np.maximum(length(offset - height * unit) - float(disk.radius), 0.0)
     return float(np.hypot(height, outside)[0])
-
-
-@clearance.register(Rectangle)
-def clearance_rectangle(rectangle: Rectangle, point: Point) -> float:
-    """Distance from `point` to the rectangle.
-
-    Examples
-    --------
-    >>> clearance_rectangle(Rectangle((0, 0, 0), (2, 0, 0), (0, 0, -2), "floor"), np.array([4.0, 4.0, 0.0]))
-    5.0
-    """
-    offset = point.reshape(3, 1) - column(rectangle.centre)
-    u, v = np.clip(_rectangle_coordinates(rectangle, offset), -0.5, 0.5)
-    return float(length(offset - u * column(rectangle.edge_u) - v * column(rectangle.edge_v))[0])
-
-
-def _has_direction(owner: str, **vectors: Triple) -> None:
-    for name, vector in vectors.items():
-        if not any(vector):
-            raise ValueError(f"{owner}: {name} = {vector}: it must not be zero")

@@ -13,13 +13,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, pair_dot
+from symrt.geometry.records import LARGEST
 
 __all__ = [
     "Crossing",
     "Hits",
     "Rays",
     "Surface",
-    "Triple",
     "clearance",
     "encloses",
     "intersect",
@@ -30,9 +30,6 @@ __all__ = [
     "surfaces",
     "translate",
 ]
-
-Triple = tuple[float | int, float | int, float | int]
-"""A point or a vector in a record, in scene units."""
 
 BLOCK = 8192
 """Rays handled at a time: their arrays stay in the cache, which is worth a factor of three."""
@@ -47,7 +44,7 @@ class Rays:
     Raises
     ------
     ValueError
-        If a number is not finite, or a direction is not of unit length.
+        If an origin is not finite (or beyond 1e60), or a direction is not of unit length.
 
     Examples
     --------
@@ -59,12 +56,15 @@ class Rays:
     direction: Vectors
 
     def __post_init__(self) -> None:
-        good = np.isfinite(self.origin).all(axis=0) & (np.abs(dot(self.direction, self.direction) - 1) < 1e-12)
+        # Comparisons with nan are false, so that nan is refused as well.
+        good = (np.abs(self.origin) <= LARGEST).all(axis=0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            good &= np.abs(dot(self.direction, self.direction) - 1) < 1e-12
         if not good.all():
             bad = int(np.argmin(good))
             raise ValueError(
                 f"ray {bad} starts at {self.origin[:, bad].tolist()} along {self.direction[:, bad].tolist()}: "
-                "the origin must be finite and the direction of unit length; use normalise"
+                f"the origin must be finite, at most {LARGEST}, and the direction of unit length; use normalise"
             )
 
     def __len__(self) -> int:
@@ -143,7 +143,9 @@ class Surface:
 
 @singledispatch
 def intersect(shape: object, rays: Rays, low: float = 0.0) -> Crossing:  # noqa: ARG001 (registered for each shape)
-    """The nearest crossing of each ray with `shape` at a distance greater than `low`; nan never comes out.
+    """The nearest crossing of each ray with `shape` at a distance greater than `low` ≥ 0; nan never comes out.
+
+    What is farther than 1e60, on a plane that the ray grazes, is missed.
 
     Examples
     --------
@@ -301,31 +303,6 @@ def spawn(
     # A grazing direction gets its side from the exact sign, the same that the shape's own intersection uses.
     side = np.sign(pair_dot(exact(normal), exact(direction))[0])
     return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction)
-
-
-def column(triple: Triple) -> Float[np.ndarray, "3 1"]:
-    """A record's point or vector as one column, to stand against many rays."""
-    return np.array(triple, dtype=float).reshape(3, 1)
-
-
-def finite(owner: str, **values: Triple | float | int) -> None:
-    """Refuse numbers of a record that are nan or infinite."""
-    for name, value in values.items():
-        if not np.all(np.isfinite(value)):
-            raise ValueError(f"{owner}: {name} = {value}: it must be finite")
-
-
-def positive(owner: str, **values: float | int) -> None:
-    """Refuse lengths of a record that are not positive."""
-    for name, value in values.items():
-        if not value > 0:
-            raise ValueError(f"{owner}: {name} = {value}: it must be greater than 0")
-
-
-def moved(triple: Triple, by: Point) -> Triple:
-    """A record's point, translated."""
-    x, y, z = (float(a) + float(b) for a, b in zip(triple, by, strict=True))
-    return x, y, z
 
 
 def _unknown(shape: object) -> TypeError:

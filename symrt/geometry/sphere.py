@@ -32,22 +32,8 @@ from symrt.arrays import (
     two_product,
     two_sum,
 )
-from symrt.geometry.rays import (
-    ROUNDING,
-    Crossing,
-    Rays,
-    Surface,
-    Triple,
-    clearance,
-    column,
-    encloses,
-    finite,
-    intersect,
-    moved,
-    positive,
-    surface,
-    translate,
-)
+from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import Triple, column, finite, moved, positive
 
 __all__ = ["Sphere"]
 

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from symrt.arrays import PerRay, Point, dot, exact, pair_dot, two_sum
 from symrt.geometry import bvh, embree, triangles
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import LARGEST
 
 __all__ = ["TriangleMesh"]
 
@@ -255,10 +256,12 @@ def clearance_mesh(mesh: TriangleMesh, point: Point) -> float:
 
 
 def _all_finite(name: str, values: Float[np.ndarray, "_ _"]) -> None:
-    good = np.isfinite(values).all(axis=0)
+    good = (np.abs(values) <= LARGEST).all(axis=0)
     if not good.all():
         bad = int(np.argmin(good))
-        raise ValueError(f"{name} {bad} is {values[:, bad].tolist()}: coordinates must be finite; repair the mesh")
+        raise ValueError(
+            f"{name} {bad} is {values[:, bad].tolist()}: coordinates must be finite, at most {LARGEST}; repair the mesh"
+        )
 
 
 def _in_range(name: str, values: Int[np.ndarray, "_ _"], count: int) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from symrt.errors import NAME, shown
-from symrt.geometry.rays import Triple
+from symrt.geometry import Triple
 
 __all__ = ["Number", "Triple", "check_name", "check_number", "check_triple", "check_whole", "floats", "settle"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
+from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, encloses, translate
-from symrt.geometry.textures import load_texture
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import AmbientLight, DirectionalLight, Light, PointLight, moved, white
 from symrt.scene.records import Scene

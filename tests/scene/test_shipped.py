@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from symrt.geometry import Hits, Mesh, Sphere, load_mesh, nearest, surfaces, weights
-from symrt.geometry.textures import load_texture
+from symrt.geometry.pictures import load_texture
 from symrt.scene import load_scene, shipped_scene
 from symrt.scene.cameras import camera_rays
 from symrt.spectra.palettes_file import load_palettes

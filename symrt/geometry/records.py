@@ -1,0 +1,85 @@
+"""What the records of shapes share: numbers as a file writes them, checked and turned into arrays (step 1)."""
+
+import numpy as np
+from jaxtyping import Float
+
+from symrt.arrays import Point, length
+
+__all__ = ["LARGEST", "Triple", "column", "finite", "has_direction", "moved", "positive"]
+
+Triple = tuple[float | int, float | int, float | int]
+"""A point or a vector in a record, in scene units."""
+
+LARGEST = 1e60
+"""Largest coordinate, length or distance; with it and its inverse, fourth powers neither overflow nor underflow."""
+
+
+def column(triple: Triple) -> Float[np.ndarray, "3 1"]:
+    """A record's point or vector as one column, to stand against many rays.
+
+    Examples
+    --------
+    >>> column((1, 2, 3)).shape
+    (3, 1)
+    """
+    return np.array(triple, dtype=float).reshape(3, 1)
+
+
+def finite(owner: str, **values: Triple | float | int) -> None:
+    """Refuse numbers of a record that are nan, infinite, or so large that their powers overflow.
+
+    Examples
+    --------
+    >>> finite("sphere", radius=float("inf"))
+    Traceback (most recent call last):
+    ValueError: sphere: radius = inf: it must be finite
+    """
+    for name, value in values.items():
+        if not np.all(np.isfinite(value)):
+            raise ValueError(f"{owner}: {name} = {value}: it must be finite")
+        if np.abs(value).max() > LARGEST:
+            raise ValueError(f"{owner}: {name} = {value}: it must be at most {LARGEST}; choose a larger unit of length")
+
+
+def positive(owner: str, **values: float | int) -> None:
+    """Refuse lengths of a record that are not positive, or so small that their powers underflow.
+
+    Examples
+    --------
+    >>> positive("sphere", radius=0)
+    Traceback (most recent call last):
+    ValueError: sphere: radius = 0: it must be greater than 0
+    """
+    for name, value in values.items():
+        if not value > 0:
+            raise ValueError(f"{owner}: {name} = {value}: it must be greater than 0")
+        if value < 1 / LARGEST:
+            raise ValueError(
+                f"{owner}: {name} = {value}: it must be at least {1 / LARGEST}; choose a smaller unit of length"
+            )
+
+
+def has_direction(owner: str, **vectors: Triple) -> None:
+    """Refuse vectors of a record that are zero, or as good as zero.
+
+    Examples
+    --------
+    >>> has_direction("plane", normal=(0, 0, 0))
+    Traceback (most recent call last):
+    ValueError: plane: normal = (0, 0, 0): it must not be zero
+    """
+    for name, vector in vectors.items():
+        if float(length(column(vector))[0]) < 1 / LARGEST:
+            raise ValueError(f"{owner}: {name} = {vector}: it must not be zero")
+
+
+def moved(triple: Triple, by: Point) -> Triple:
+    """A record's point, translated.
+
+    Examples
+    --------
+    >>> moved((1, 2, 3), np.array([1.0, 0.0, 0.0]))
+    (2.0, 2.0, 3.0)
+    """
+    x, y, z = (float(a) + float(b) for a, b in zip(triple, by, strict=True))
+    return x, y, z

@@ -1,0 +1,134 @@
+"""Rectangles (step 1): a part of a plane, with coordinates along its edges."""
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross
+from symrt.geometry.planes import Column, bounded, flat_surface
+from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import Triple, column, finite, has_direction, moved
+
+__all__ = ["Rectangle"]
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle with full edges and the normal edge_u × edge_v, its border included.
+
+    Its coordinates run from 0 to 1: u along `edge_u` and v along `edge_v`, from the corner
+    centre − edge_u/2 − edge_v/2; the extent is the lengths of the edges.
+
+    Examples
+    --------
+    >>> Rectangle(centre=(0, 0, 0), edge_u=(20, 0, 0), edge_v=(0, 0, -20), material="floor").edge_u
+    (20, 0, 0)
+    """
+
+    centre: Triple
+    edge_u: Triple
+    edge_v: Triple
+    material: str
+    type: Literal["rectangle"] = field(default="rectangle", kw_only=True)
+
+    def __post_init__(self) -> None:
+        finite("rectangle", centre=self.centre, edge_u=self.edge_u, edge_v=self.edge_v)
+        has_direction("rectangle", edge_u=self.edge_u, edge_v=self.edge_v)
+        u, v = normalise(column(self.edge_u)), normalise(column(self.edge_v))
+        if abs(float(dot(u, v)[0])) > 1e-6:
+            raise ValueError(
+                f"rectangle: edge_u = {self.edge_u} and edge_v = {self.edge_v}: they must be perpendicular"
+            )
+
+
+@intersect.register(Rectangle)
+def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> Crossing:
+    """Crossing with a rectangle beyond `low`.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
+    >>> intersect_rectangle(Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor"), ray).distance
+    array([2.5])
+    """
+
+    def inside(m: Vectors) -> Bool[np.ndarray, " ray"]:
+        u, v = np.abs(_rectangle_coordinates(rectangle, m))
+        return (u <= 0.5) & (v <= 0.5)
+
+    reach = float(np.hypot(np.linalg.norm(rectangle.edge_u), np.linalg.norm(rectangle.edge_v)))
+    return bounded(column(rectangle.centre), _rectangle_normal(rectangle), rays, low, reach, inside)
+
+
+@surface.register(Rectangle)
+def surface_rectangle(
+    rectangle: Rectangle,
+    rays: Rays,
+    distance: PerRay,
+    primitive: Int[np.ndarray, " ray"],  # noqa: ARG001
+) -> Surface:
+    """Surface of a rectangle where rays meet it.
+
+    Examples
+    --------
+    >>> ray = Rays(origin=np.array([[0.0], [2.0], [5.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
+    >>> floor = Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor")
+    >>> surface_rectangle(floor, ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T
+    array([[0.5 , 0.25]])
+    """
+    centre = column(rectangle.centre)
+    flat = flat_surface(centre, _rectangle_normal(rectangle), rays, distance)
+    uv = np.clip(_rectangle_coordinates(rectangle, flat.point - centre) + 0.5, 0.0, 1.0)
+    edges = [[float(np.linalg.norm(rectangle.edge_u))], [float(np.linalg.norm(rectangle.edge_v))]]
+    return replace(flat, uv=uv, extent=np.broadcast_to(edges, uv.shape).copy())
+
+
+@translate.register(Rectangle)
+def translate_rectangle(rectangle: Rectangle, by: Point) -> Rectangle:
+    """The rectangle moved `by` a vector.
+
+    Examples
+    --------
+    >>> translate_rectangle(Rectangle((0, 0, 0), (1, 0, 0), (0, 0, 1), "a"), np.array([0.0, 2.0, 0.0])).centre
+    (0.0, 2.0, 0.0)
+    """
+    return replace(rectangle, centre=moved(rectangle.centre, by))
+
+
+@encloses.register(Rectangle)
+def encloses_rectangle(rectangle: Rectangle, point: Point) -> bool:  # noqa: ARG001
+    """Nothing is inside a rectangle.
+
+    Examples
+    --------
+    >>> encloses_rectangle(Rectangle((0, 0, 0), (1, 0, 0), (0, 0, 1), "a"), np.zeros(3))
+    False
+    """
+    return False
+
+
+@clearance.register(Rectangle)
+def clearance_rectangle(rectangle: Rectangle, point: Point) -> float:
+    """Distance from `point` to the rectangle.
+
+    Examples
+    --------
+    >>> clearance_rectangle(Rectangle((0, 0, 0), (2, 0, 0), (0, 0, -2), "floor"), np.array([4.0, 4.0, 0.0]))
+    5.0
+    """
+    offset = point.reshape(3, 1) - column(rectangle.centre)
+    u, v = np.clip(_rectangle_coordinates(rectangle, offset), -0.5, 0.5)
+    return float(length(offset - u * column(rectangle.edge_u) - v * column(rectangle.edge_v))[0])
+
+
+def _rectangle_normal(rectangle: Rectangle) -> Column:
+    return pair_cross(exact(column(rectangle.edge_u)), exact(column(rectangle.edge_v)))[0]
+
+
+def _rectangle_coordinates(rectangle: Rectangle, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
+    """Shares of the two edges in an offset from the centre, from −½ to ½ inside."""
+    u, v, normal = column(rectangle.edge_u), column(rectangle.edge_v), _rectangle_normal(rectangle)
+    for_u, for_v = np.cross(v, normal, axis=0), np.cross(normal, u, axis=0)
+    return np.stack([dot(offset, for_u) / dot(u, for_u), dot(offset, for_v) / dot(v, for_v)])
