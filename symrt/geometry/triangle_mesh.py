@@ -9,7 +9,18 @@ from jaxtyping import Float, Int
 
 from symrt.arrays import PerRay, Point, dot, exact, pair_dot, two_sum
 from symrt.geometry import bvh, embree, triangles
-from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import (
+    BLOCK,
+    ROUNDING,
+    Crossing,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    surface,
+    translate,
+)
 from symrt.geometry.records import LARGEST
 
 __all__ = ["TriangleMesh"]
@@ -116,10 +127,18 @@ def intersect_mesh(mesh: TriangleMesh, rays: Rays, low: float = 0.0) -> Crossing
     >>> intersect_mesh(one, ray)
     Crossing(distance=array([3.]), primitive=array([0], dtype=int32))
     """
-    with np.errstate(all="ignore"):
-        if mesh.thickened is None:
-            return _nearest_between(mesh, rays, np.full(len(rays), low), np.full(len(rays), np.inf))
-        return _with_embree(mesh, mesh.thickened, rays, low)
+    found = Crossing(np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32))
+    for start in range(0, len(rays), BLOCK):
+        block = slice(start, start + BLOCK)
+        with np.errstate(all="ignore"):
+            _record(found, block, _intersect_block(mesh, rays[block], low))
+    return found
+
+
+def _intersect_block(mesh: TriangleMesh, rays: Rays, low: float) -> Crossing:
+    if mesh.thickened is None:
+        return _nearest_between(mesh, rays, np.full(len(rays), low), np.full(len(rays), np.inf))
+    return _with_embree(mesh, mesh.thickened, rays, low)
 
 
 def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, low: float) -> Crossing:
@@ -149,7 +168,7 @@ def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, lo
     return found
 
 
-def _record(found: Crossing, chosen: Int[np.ndarray, " part"], part: Crossing) -> None:
+def _record(found: Crossing, chosen: Int[np.ndarray, " part"] | slice, part: Crossing) -> None:
     """Write the crossings of chosen rays among those of all."""
     found.distance[chosen], found.primitive[chosen] = part.distance, part.primitive
 

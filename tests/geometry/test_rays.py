@@ -212,6 +212,29 @@ def test_kernels_miss_with_rays_that_are_no_rays(wrong):
                 assert np.all(found.distance == np.inf)
 
 
+@pytest.mark.parametrize("make", [lambda x: Sphere((x, 0, 0), 1, "a"), lambda x: Disk((0, 0, 0), (0, 1, 0), x, "a")])
+def test_sizes_whose_powers_overflow_or_underflow_are_refused(make):
+    for size in (1e61, 1e308):
+        with pytest.raises(ValueError, match="choose a larger unit of length"):
+            make(size)
+    with pytest.raises(ValueError, match="choose a smaller unit of length"):
+        Cylinder((0, 0, 0), (0, 1, 0), 1e-61, "a")
+    with pytest.raises(ValueError, match="must not be zero"):
+        Plane((0, 0, 0), (0, 1e-61, 0), "a")
+
+
+def test_a_plane_that_is_grazed_is_met_within_a_distance_or_not_at_all():
+    slope = 10.0 ** -np.arange(0, 320, 5)
+    slope = slope[3:]
+    grazing = rays(np.array([[0.0], [1.0], [0.0]]) + 0 * slope, np.stack([0 * slope + 1, -slope, 0 * slope]))
+    for normal in ((0, 1, 0), (0, 3, 1e-30)):
+        floor = Plane((0, 0, 0), normal, "a")
+        hits = nearest([floor], grazing)
+        found = surfaces([floor], grazing, hits)
+        assert np.all(np.isfinite(found.point))
+        assert np.array_equal(hits.shape == 0, slope > 1e-62)
+
+
 def test_minus_zero_is_zero():
     ahead = rays(np.zeros((3, 1)), np.array([[0.0], [0.0], [-1.0]]))
     same = rays(np.full((3, 1), -0.0), np.array([[-0.0], [-0.0], [-1.0]]))
