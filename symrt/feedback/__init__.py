@@ -6,6 +6,7 @@ from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.regions import split, with_region
+from symrt.feedback.report import Report, Verdict, report
 
 __all__ = [
     "Blend",
@@ -14,10 +15,13 @@ __all__ = [
     "Fit",
     "Interval",
     "Reason",
+    "Report",
     "Scale",
+    "Verdict",
     "clip",
     "feasible",
     "fit",
+    "report",
     "split",
     "with_region",
 ]

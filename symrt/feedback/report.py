@@ -1,0 +1,243 @@
+"""One image through several gamuts: who says yes, who says no, and what each yes proves (steps 4 and 5).
+
+The paper argues that an image perfected on a monitor may be wrong for print: a report says, for each printer's gamut,
+how often a monitor would have been content where the printer is not, and the other way round.
+"""
+
+import html
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.arrays import Spectrum
+from symrt.feedback.limits import INVISIBLE
+from symrt.feedback.parameters import material_of
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.monitor import MonitorGamut
+from symrt.spectra.bands import Bands
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference, whites
+from symrt.spectra.shading import shade
+from symrt.system import LinearSystem
+
+__all__ = ["Report", "Verdict", "report"]
+
+ASKED = 2000
+"""Object pixels that a gamut is asked about, drawn evenly, if the image has more."""
+
+Pixels = Int[np.ndarray, " pixel"]
+Reflectances = Float[np.ndarray, "pixel band"]
+HEAD = ("gamut", "inside", "worst pixel", "by", "worst band", "what inside proves")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one gamut says about an image.
+
+    Parameters
+    ----------
+    inside
+        Share of the pixels asked that are inside.
+    worst
+        Column and row of the pixel that is farthest outside; None if all are inside.
+    violation
+        How far that is, in the gamut's own measure.
+    band
+        Where that pixel and the nearest reflectance of the gamut differ most.
+    materials
+        For each material, the share inside of the pixels that it contributes to.
+    contented
+        For each monitor, the share of pixels that it shows and this gamut leaves outside, and the share that it
+        cannot show and this gamut has inside.
+    """
+
+    gamut: str
+    label: str
+    inside: float
+    worst: tuple[int, int] | None
+    violation: float
+    band: str | None
+    materials: Mapping[str, float]
+    contented: Mapping[str, tuple[float, float]]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """What several gamuts say about one image.
+
+    Parameters
+    ----------
+    asked, objects
+        How many pixels were asked about, of how many that light reaches.
+    note
+        The reference and the exposure that made reflectances of radiances.
+    """
+
+    verdicts: tuple[Verdict, ...]
+    asked: int
+    objects: int
+    note: str
+
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """The verdicts as rows of text."""
+        return [
+            (
+                v.gamut,
+                _percent(v.inside),
+                "-" if v.worst is None else f"({v.worst[0]}, {v.worst[1]})",
+                "-" if v.worst is None else f"{v.violation:.3g}",
+                v.band or "-",
+                v.label,
+            )
+            for v in self.verdicts
+        ]
+
+    def __str__(self) -> str:
+        widths = [max(map(len, column)) for column in zip(HEAD, *self.rows, strict=True)]
+        table = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in (HEAD, *self.rows)]
+        return "\n".join([*table, *self._sentences()])
+
+    def _sentences(self) -> list[str]:
+        drawn = "" if self.asked == self.objects else ", drawn evenly"
+        lines = [f"Asked: {self.asked} of {self.objects} object pixels{drawn}; {self.note}."]
+        for v in self.verdicts:
+            lines += [
+                f"{monitor}, against {v.gamut}: it shows {_percent(shown)} of the pixels, which are outside; "
+                f"it cannot show {_percent(kept)}, which are inside."
+                for monitor, (shown, kept) in v.contented.items()
+            ]
+        return lines
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{cell}</th>" for cell in HEAD)
+        rows = "".join(f"<tr>{''.join(f'<td>{html.escape(c)}</td>' for c in row)}</tr>" for row in self.rows)
+        return f"<table><tr>{head}</tr>{rows}</table>" + "".join(f"<p>{html.escape(s)}</p>" for s in self._sentences())
+
+
+def report(
+    system: LinearSystem,
+    palette: Palette,
+    gamuts: Sequence[ConvexGamut],
+    reference: Reference | None = None,
+    *,
+    most: int = ASKED,
+) -> Report:
+    """Take one image through several gamuts.
+
+    Parameters
+    ----------
+    gamuts
+        From `device_gamut`, of printers and of monitors, each on the palette's bands.
+    most
+        Object pixels to ask about: all of them if there are no more, else this many at even distances.  A share that
+        some thousand pixels give is known to about a percent.
+
+    Raises
+    ------
+    ValueError
+        If a gamut is on other bands, or the reference leaves bands dark.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
+    >>> said = report(system, palette, [device_gamut(device, "unit"), device_gamut(device, "envelope")])
+    >>> [(verdict.inside, verdict.worst) for verdict in said.verdicts]
+    [(1.0, None), (0.5, (1, 0))]
+    """
+    reference = reference or Reference()
+    white = reference.white(system, palette)
+    if dark := [b for b, w in zip(palette.bands.labels, white, strict=True) if w < INVISIBLE * white.max()]:
+        raise ValueError(f"the reference does not light {', '.join(dark)}: use Reference('equal-energy')")
+    for gamut in gamuts:
+        if gamut.bands != palette.bands:
+            raise ValueError(
+                f"{gamut.name} is on {gamut.bands!r}, the palette on {palette.bands!r}: use the same bands"
+            )
+    objects = np.flatnonzero(system.object_pixels)
+    pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
+    image = _image(system, palette, pixels, reference.exposure / white)
+    answers = [_answer(gamut.under(white), image) for gamut in gamuts]
+    monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
+    verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)
+    note = f"reference {reference.light or next(iter(whites(system, palette)))}, exposure {reference.exposure:g}"
+    return Report(verdicts, pixels.size, objects.size, note)
+
+
+@dataclass(frozen=True, eq=False)
+class _Image:
+    """The pixels asked about: where they are, their reflectances, and which materials contribute to them."""
+
+    places: Int[np.ndarray, "pixel 2"]
+    seen: Reflectances
+    bands: Bands
+    materials: Mapping[str, Bool[np.ndarray, " pixel"]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """What a gamut answers for each pixel."""
+
+    gamut: ConvexGamut
+    inside: Bool[np.ndarray, " pixel"]
+    violation: Float[np.ndarray, " pixel"]
+    seconds: float
+
+
+def _image(system: LinearSystem, palette: Palette, pixels: Pixels, shown: Spectrum) -> _Image:
+    part = LinearSystem(system.G[pixels], system.interactions, 1, pixels.size, system.white, system.models)
+    columns: dict[str, list[int]] = {}
+    for j, interaction in enumerate(system.interactions):
+        for material in {material_of(symbol) for symbol in interaction.met}:
+            columns.setdefault(material, []).append(j)
+    materials = {name: np.diff(part.G[:, own].indptr) > 0 for name, own in sorted(columns.items())}
+    places = np.stack([pixels % system.width, pixels // system.width], axis=1)
+    return _Image(places, shade(part, palette).values[0] * shown, palette.bands, materials)
+
+
+def _answer(gamut: ConvexGamut, image: _Image) -> _Answer:
+    start = time.perf_counter()
+    inside = gamut.contains(image.seen)
+    violation = np.zeros(inside.size)
+    violation[~inside] = gamut.violation(image.seen[~inside])
+    return _Answer(gamut, inside, violation, time.perf_counter() - start)
+
+
+def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndarray, " pixel"]]) -> Verdict:
+    inside, gamut = answer.inside, answer.gamut
+    worst = None if inside.all() else int(answer.violation.argmax())
+    band = None
+    if worst is not None:
+        away = np.abs(image.seen[worst] - gamut.nearest(image.seen[[worst]])[0])
+        band = image.bands.labels[int(away.argmax())]
+    others = {} if isinstance(gamut, MonitorGamut) else monitors
+    return Verdict(
+        gamut=gamut.name,
+        label=gamut.label,
+        inside=float(inside.mean()) if inside.size else 1.0,
+        worst=None if worst is None else (int(image.places[worst, 0]), int(image.places[worst, 1])),
+        violation=float(answer.violation.max(initial=0)),
+        band=band,
+        materials={name: float(inside[own].mean()) for name, own in image.materials.items() if own.any()},
+        contented={
+            name: (float((shown & ~inside).mean()), float((~shown & inside).mean())) for name, shown in others.items()
+        },
+        seconds=answer.seconds,
+    )
+
+
+def _percent(share: float) -> str:
+    """A share that looks like all, or none, only if it is."""
+    if 0 < share < 0.001:
+        return "< 0.1%"
+    return "> 99.9%" if 0.999 < share < 1 else f"{share:.1%}"

@@ -1,0 +1,79 @@
+"""A report says what asking each gamut pixel by pixel says, and which pixel is farthest outside."""
+
+import numpy as np
+import pytest
+from scenes_for_tests import palettes, small
+
+import symrt as rt
+from symrt.feedback import report
+from symrt.gamut import device_gamut, load_device, load_monitor, monitor_gamut
+
+
+@pytest.fixture(scope="module")
+def asked():
+    system, palette = rt.render(small("globe", 48), progress=False), palettes("globe")["macbeth"]
+    device = load_device("dye3-endura-premier")
+    gamuts = [device_gamut(device, model) for model in ("unit", "envelope", "hull", "colorimetric")]
+    gamuts.append(monitor_gamut(load_monitor("crt-brainard").on(palette.bands)))
+    white = rt.Reference().white(system, palette)
+    seen = rt.shade(system, palette).values.reshape(-1, 36) / white
+    return system, palette, gamuts, white, seen
+
+
+def test_shares_and_worst_pixels_are_those_of_each_gamut(asked):
+    system, palette, gamuts, white, seen = asked
+    objects = np.flatnonzero(system.object_pixels)
+    said = report(system, palette, gamuts)
+    assert said.asked == said.objects == objects.size
+    for gamut, verdict in zip(gamuts, said.verdicts, strict=True):
+        under = gamut.under(white)
+        inside = under.contains(seen[objects])
+        assert verdict.inside == inside.mean()
+        assert verdict.label == gamut.label
+        if verdict.worst is not None:
+            x, y = verdict.worst
+            violation = under.violation(seen[objects])
+            assert verdict.violation == pytest.approx(violation.max(), rel=1e-12)
+            assert under.violation(seen[[y * 48 + x]])[0] == pytest.approx(violation.max(), rel=1e-12)
+
+
+def test_shares_of_materials_count_the_pixels_that_they_light(asked):
+    system, palette, gamuts, white, seen = asked
+    verdict = report(system, palette, [gamuts[3]]).verdicts[0]
+    inside = gamuts[3].under(white).contains(seen)
+    brass = [j for j, i in enumerate(system.interactions) if any(s.startswith("brass.") for s in i.met)]
+    own = np.diff(system.G[:, brass].indptr) > 0
+    assert verdict.materials["brass"] == pytest.approx(inside[own].mean(), rel=1e-15)
+
+
+def test_a_monitor_and_a_printer_disagree_as_counted(asked):
+    # The paper, §2: "perfecting an image on a monitor may be counterproductive" for print.
+    system, palette, gamuts, white, seen = asked
+    objects = np.flatnonzero(system.object_pixels)
+    shown = gamuts[-1].under(white).contains(seen[objects])
+    printed = gamuts[2].under(white).contains(seen[objects])
+    verdict = report(system, palette, gamuts).verdicts[2]
+    assert verdict.contented[gamuts[-1].name] == ((shown & ~printed).mean(), (~shown & printed).mean())
+    assert verdict.contented[gamuts[-1].name][0] > 0.5
+
+
+def test_a_large_image_is_asked_evenly_and_says_so(asked):
+    system, palette, gamuts, *_ = asked
+    said = report(system, palette, gamuts[:2], most=100)
+    assert said.asked == 100
+    assert "100 of" in str(said)
+    assert "drawn evenly" in said._repr_html_()
+
+
+def test_one_pixel_outside_is_never_rounded_away(asked):
+    system, palette, gamuts, *_ = asked
+    said = report(system, palette.replace(key=0.999 * palette["key"]), gamuts[:2])
+    for verdict, row in zip(said.verdicts, said.rows, strict=True):
+        assert (row[1] == "100.0%") == (verdict.inside == 1)
+
+
+def test_other_bands_are_refused(asked):
+    system, palette, *_ = asked
+    other = device_gamut(load_device("dye3-endura-premier", rt.wavelengths(400, 700, 20)), "unit")
+    with pytest.raises(ValueError, match="same bands"):
+        report(system, palette, [other])
