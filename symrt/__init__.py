@@ -61,7 +61,18 @@ _NAMES = {
     # 4: basis and gamut
     "symrt.gamut": ["Basis", "Device", "Gamut", "device_gamut", "devices", "load_device", "load_gamut", "save_gamut"],
     # 5: feedback
-    "symrt.feedback": ["Blend", "Exposure", "Scale", "clip", "feasible", "fit", "report", "split", "with_region"],
+    "symrt.feedback": [
+        "Blend",
+        "Exposure",
+        "Scale",
+        "clip",
+        "feasible",
+        "fit",
+        "map_pixels",
+        "report",
+        "split",
+        "with_region",
+    ],
     # Looking
     "symrt.explore": ["plots"],
     "symrt.errors": ["SceneError"],

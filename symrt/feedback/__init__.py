@@ -3,6 +3,7 @@
 from symrt.feedback.clipping import Interval, clip
 from symrt.feedback.mapping import fit
 from symrt.feedback.parameters import Blend, Exposure, Scale
+from symrt.feedback.pixelwise import Mapped, map_pixels
 from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.regions import split, with_region
@@ -14,6 +15,7 @@ __all__ = [
     "Feasible",
     "Fit",
     "Interval",
+    "Mapped",
     "Reason",
     "Report",
     "Scale",
@@ -21,6 +23,7 @@ __all__ = [
     "clip",
     "feasible",
     "fit",
+    "map_pixels",
     "report",
     "split",
     "with_region",

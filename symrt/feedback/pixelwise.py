@@ -1,0 +1,154 @@
+"""Bring pixels into a gamut one by one: the last resort, after the parameters have done what they can (step 5).
+
+The paper leaves the choice of a projection open.  A pixel outside moves along a straight line to a grey, to the gamut's
+centre, or to the nearest point of the gamut.  Neighbours that move differently can band; `smoothness` evens that out.
+"""
+
+import time
+from dataclasses import dataclass, replace
+from typing import Literal, cast
+
+import numpy as np
+from jaxtyping import Float
+from scipy.ndimage import gaussian_filter, minimum_filter
+
+from symrt.feedback.clipping import clip
+from symrt.gamut.interface import ClippingGamut, ConvexGamut
+from symrt.gamut.slabs import Gamut
+from symrt.spectra.bands import Number
+from symrt.spectra.image import SpectralImage
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.spectra.shading import shade
+from symrt.system import LinearSystem
+
+__all__ = ["Mapped", "map_pixels"]
+
+Target = Literal["neutral", "centre", "nearest"]
+Reflectances = Float[np.ndarray, "pixel band"]
+REACH = 3
+"""Standard deviations after which a Gaussian is cut off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mapped:
+    """An image whose every object pixel is inside a gamut.
+
+    Parameters
+    ----------
+    image
+        The new radiances.
+    share
+        Of the object pixels, how many moved.
+    moved
+        Root mean square change of reflectance in each pixel, (height, width).
+    note
+        Gamut, target and smoothness.
+    """
+
+    image: SpectralImage
+    share: float
+    moved: Float[np.ndarray, "height width"]
+    note: str
+    seconds: float
+
+    def __repr__(self) -> str:
+        return f"{self.share:.1%} of the object pixels moved, by at most {self.moved.max():.3g} RMS: {self.note}"
+
+    def _repr_png_(self) -> bytes | None:
+        return self.image._repr_png_()  # a notebook asks for it by this name
+
+
+def map_pixels(
+    system: LinearSystem,
+    palette: Palette,
+    gamut: Gamut | ClippingGamut,
+    *,
+    towards: Target = "neutral",
+    smoothness: Number = 0.0,
+    reference: Reference | None = None,
+) -> Mapped:
+    """Move every pixel that is outside a gamut into it.
+
+    Parameters
+    ----------
+    towards
+        ``"neutral"``: the grey of the pixel's mean reflectance, as far as the gamut has it.  ``"centre"``: the middle
+        of the gamut's neutral axis.  ``"nearest"``: the nearest point, by root mean square.
+    smoothness
+        Standard deviation, in pixels, over which the amount of movement is evened out; pixels inside then move a
+        little too.  The convexity of the gamut keeps everything inside.  Not for ``"nearest"``.
+
+    Raises
+    ------
+    ValueError
+        If the gamut has no grey, or the options do not fit together.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
+    >>> map_pixels(system, palette, device_gamut(device, "envelope")).image.values[0, :, 20].round(3)
+    array([0.475, 0.9  ])
+    """
+    start = time.perf_counter()
+    if towards == "nearest" and smoothness:
+        raise ValueError("smoothness: the nearest points have no common amount of movement; choose neutral or centre")
+    if not 0 <= smoothness < max(system.height, system.width):
+        raise ValueError(f"smoothness = {smoothness}: it must be from 0 to the size of the image, in pixels")
+    reference = reference or Reference()
+    white = reference.white(system, palette) / reference.exposure
+    gamut = cast("Gamut | ClippingGamut", gamut.under(white))
+    image = shade(system, palette)
+    seen = image.values.reshape(-1, len(white))[system.object_pixels] / white
+    moved = gamut.nearest(seen) if towards == "nearest" else _towards(system, gamut, seen, towards, float(smoothness))
+    outside = ~gamut.contains(seen)
+    still = ~outside if smoothness == 0 else np.zeros(outside.size, dtype=bool)
+    moved[still] = seen[still]
+    values = image.values.reshape(-1, len(white)).copy()
+    values[system.object_pixels] = moved * white
+    change = np.zeros(values.shape[0])
+    change[system.object_pixels] = np.sqrt(np.mean((moved - seen) ** 2, axis=1))
+    return Mapped(
+        image=replace(image, values=values.reshape(image.values.shape)),
+        share=float(np.mean(change[system.object_pixels] > 0)) if outside.size else 0.0,
+        moved=change.reshape(system.height, system.width),
+        note=f"{gamut.name}, towards {towards}, smoothness {smoothness:g}",
+        seconds=time.perf_counter() - start,
+    )
+
+
+def _towards(
+    system: LinearSystem, gamut: Gamut | ClippingGamut, seen: Reflectances, towards: Target, smoothness: float
+) -> Reflectances:
+    low, high = _greys(gamut, seen.shape[1])
+    grey = np.full(len(seen), (low + high) / 2) if towards == "centre" else np.clip(seen.mean(axis=1), low, high)
+    origin = np.repeat(grey[:, None], seen.shape[1], axis=1)
+    reach = np.clip(clip(gamut, origin, seen - origin).high, 0.0, 1.0)
+    if smoothness:
+        reach = _evened(system, reach, smoothness)
+    return origin + reach[:, None] * (seen - origin)
+
+
+def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
+    """The darkest and the lightest grey inside."""
+    span = clip(gamut, np.zeros((1, bands)), np.ones((1, bands)))  # type: ignore[arg-type]  # one that clips
+    if span.empty[0]:
+        raise ValueError(f"{gamut.name} has no grey to move towards: choose towards='nearest'")
+    return max(0.0, float(span.low[0])), float(span.high[0])
+
+
+def _evened(system: LinearSystem, reach: Float[np.ndarray, " pixel"], smoothness: float) -> Float[np.ndarray, " pixel"]:
+    """How far each pixel keeps towards its own colour, smooth and nowhere more than before."""
+    picture = np.ones(system.height * system.width)
+    picture[system.object_pixels] = reach
+    radius = int(REACH * smoothness + 0.5)
+    # The least within the Gaussian's reach is averaged, so that the average is never above any pixel's own.
+    least = minimum_filter(picture.reshape(system.height, system.width), size=2 * radius + 1, mode="nearest")
+    even = gaussian_filter(least, smoothness, radius=radius, mode="nearest").ravel()
+    return np.minimum(even[system.object_pixels], reach)

@@ -1,0 +1,90 @@
+"""Mapping pixel by pixel ends inside, moves no pixel that is inside, and is as smooth as asked."""
+
+import numpy as np
+import pytest
+from scenes_for_tests import palettes, small
+from scipy import sparse
+
+import symrt as rt
+from symrt.feedback import map_pixels
+from symrt.gamut import device_gamut, load_device
+
+
+@pytest.fixture(scope="module")
+def globe():
+    system, palette = rt.render(small("globe", 64), progress=False), palettes("globe")["macbeth"]
+    return system, palette.replace(key=1.4 * palette["key"])
+
+
+@pytest.fixture(scope="module", params=["unit", "envelope", "colorimetric"])
+def gamut(request):
+    return device_gamut(load_device("dye3-endura-premier"), request.param)
+
+
+def seen(system, palette, image):
+    # The reference is the key light as it was given, 1.4 times as bright.
+    return image.values.reshape(-1, 36)[system.object_pixels] / rt.Reference().white(system, palette)
+
+
+@pytest.mark.parametrize("towards", ["neutral", "centre", "nearest"])
+def test_every_object_pixel_ends_inside(globe, gamut, towards):
+    mapped = map_pixels(*globe, gamut, towards=towards)
+    under = gamut.under(rt.Reference().white(*globe))
+    assert under.violation(seen(*globe, mapped.image)).max() <= 1e-9
+    assert (mapped.share > 0) == (not under.contains(seen(*globe, rt.shade(*globe))).all())
+
+
+@pytest.mark.parametrize("towards", ["neutral", "centre", "nearest"])
+def test_pixels_inside_stay_bit_for_bit(globe, gamut, towards):
+    before = rt.shade(*globe)
+    inside = gamut.under(rt.Reference().white(*globe)).contains(seen(*globe, before))
+    after = map_pixels(*globe, gamut, towards=towards).image
+    np.testing.assert_allclose(seen(*globe, after)[inside], seen(*globe, before)[inside], rtol=1e-15)
+
+
+def test_the_nearest_point_moves_each_pixel_least(globe, gamut):
+    moved = {t: map_pixels(*globe, gamut, towards=t).moved for t in ("neutral", "centre", "nearest")}
+    for other in ("neutral", "centre"):
+        assert np.all(moved["nearest"] <= moved[other] + 1e-9)
+
+
+def test_towards_neutral_keeps_the_mean_reflectance_where_the_grey_is_inside(globe):
+    gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    before, after = seen(*globe, rt.shade(*globe)), seen(*globe, map_pixels(*globe, gamut).image)
+    grey_inside = before.mean(axis=1) < 0.85
+    np.testing.assert_allclose(after.mean(axis=1)[grey_inside], before.mean(axis=1)[grey_inside], rtol=1e-12)
+
+
+def test_smoothness_spreads_what_one_pixel_needs_over_its_neighbours_and_stays_inside():
+    device = load_device("dye3-endura-premier")
+    gamut = device_gamut(device, "envelope")
+    g = np.full((21, 21), 0.9)
+    g[10, 10] = 1.2
+    column = rt.Interaction("sun", ("sea.diffuse",))
+    system = rt.LinearSystem(sparse.csr_array(g.reshape(-1, 1)), (column,), 21, 21, {"sun": 1.0})
+    palette = rt.Palette(device.bands, {"sun": 1, "sea.diffuse": np.linspace(0.1, 0.9, 36)})
+    rough, smooth = (map_pixels(system, palette, gamut, smoothness=s) for s in (0.0, 2.0))
+    steps = [np.abs(np.diff(m.moved, axis=0)).max() for m in (rough, smooth)]
+    assert rough.share == 1 / 441
+    assert steps[1] < steps[0] / 3
+    assert gamut.violation(smooth.image.values.reshape(-1, 36)).max() <= 1e-12
+
+
+def test_a_smoothed_picture_is_inside_too(globe, gamut):
+    smooth = map_pixels(*globe, gamut, smoothness=2.0)
+    under = gamut.under(rt.Reference().white(*globe))
+    assert under.violation(seen(*globe, smooth.image)).max() <= 1e-9
+    assert smooth.share >= map_pixels(*globe, gamut).share
+
+
+def test_options_that_do_not_fit_are_refused(globe, gamut):
+    with pytest.raises(ValueError, match="nearest points"):
+        map_pixels(*globe, gamut, towards="nearest", smoothness=2)
+    with pytest.raises(ValueError, match="size of the image"):
+        map_pixels(*globe, gamut, smoothness=-1)
+
+
+def test_what_happened_is_said(globe):
+    mapped = map_pixels(*globe, device_gamut(load_device("dye3-endura-premier"), "envelope"))
+    assert "towards neutral" in repr(mapped)
+    assert mapped._repr_png_()[1:4] == b"PNG"
