@@ -210,6 +210,15 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     """Write a system to one ``.npz`` file: arrays, and names as JSON; nothing in it is executable.
 
     The file appears whole or not at all.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> grey = LinearSystem(sparse.csr_array([[0.5]]), (Interaction("sun", ("red.diffuse",)),), 1, 1, {"sun": 1.0})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_system(Path(folder) / "grey.npz", grey)
+    ...     load_system(Path(folder) / "grey.npz").interactions
+    (Interaction(light='sun', met=('red.diffuse',), nodes=()),)
     """
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
@@ -248,6 +257,12 @@ def load_system(path: str | Path) -> LinearSystem:
     ------
     ValueError
         If the file is not such a system, is truncated, or its parts contradict each other.
+
+    Examples
+    --------
+    >>> load_system("missing.npz")
+    Traceback (most recent call last):
+    ValueError: missing.npz: no such file; save a system with save_system first
     """
     arrays, header = _read(Path(path))
     try:

@@ -1,6 +1,7 @@
 """The laws of the house that no tool checks for us."""
 
 import ast
+import inspect
 import re
 import subprocess
 import sys
@@ -8,6 +9,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
+
+import symrt
 
 HOME = Path(__file__).parents[1]
 MODULES = sorted((HOME / "symrt").rglob("*.py"))
@@ -19,6 +22,13 @@ TEXTS = [
     and path.is_file()
     and path != Path(__file__)
 ]
+
+
+def test_every_public_function_shows_an_example():
+    public = {name: inspect.unwrap(getattr(symrt, name)) for name in symrt.__all__ if name != "__version__"}
+    functions = {name: value for name, value in public.items() if inspect.isfunction(value)}
+    assert len(functions) > 10
+    assert [name for name, function in functions.items() if ">>> " not in (inspect.getdoc(function) or "")] == []
 
 
 def test_importing_symrt_and_its_command_line_pays_for_nothing_slow():
@@ -38,6 +48,11 @@ def test_a_module_evaluates_no_text_and_hides_no_shapes(path):
         if isinstance(node, ast.Call)
     }
     assert called.isdisjoint({"eval", "exec", "sympify", "parse_expr", "__import__"})
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(HOME)))
+def test_a_module_can_be_read_in_one_sitting(path):
+    assert path.read_text().count("\n") <= 350
 
 
 def test_nothing_loads_a_pickle():

@@ -83,6 +83,12 @@ def load_gamut(path: str | Path) -> Gamut:
     ------
     ValueError
         If the file is not such a gamut, is truncated, or its parts contradict each other.
+
+    Examples
+    --------
+    >>> load_gamut("missing.npz")
+    Traceback (most recent call last):
+    ValueError: missing.npz: no such file; save a gamut with save_gamut first
     """
     path = Path(path)
     try:
