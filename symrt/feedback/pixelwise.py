@@ -132,7 +132,7 @@ def _towards(
     reach = np.clip(clip(gamut, origin, seen - origin).high, 0.0, 1.0)
     if smoothness:
         reach = _evened(system, reach, smoothness)
-    return origin + reach[:, None] * (seen - origin)
+    return np.where(reach[:, None] == 1, seen, origin + reach[:, None] * (seen - origin))
 
 
 def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
