@@ -11,6 +11,7 @@ from symrt.gamut.hull import HullGamut, hull_gamut
 from symrt.gamut.inks import Device, devices, load_device, reflectance
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.monitor import Monitor, MonitorGamut, load_monitor, monitor_gamut, monitors
+from symrt.gamut.recipes import InkGamut, ink_gamut, recipes
 from symrt.gamut.slabs import Gamut
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "Halftone",
     "HalftoneFit",
     "HullGamut",
+    "InkGamut",
     "Monitor",
     "MonitorGamut",
     "Printer",
@@ -30,11 +32,13 @@ __all__ = [
     "devices",
     "fit_halftone",
     "hull_gamut",
+    "ink_gamut",
     "load_device",
     "load_gamut",
     "load_monitor",
     "monitor_gamut",
     "monitors",
+    "recipes",
     "reflectance",
     "save_gamut",
     "uniform_first",

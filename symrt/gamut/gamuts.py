@@ -7,15 +7,16 @@ from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
 from symrt.gamut.device import Device
 from symrt.gamut.hull import TOLERANCE, HullGamut, hull_gamut
 from symrt.gamut.monitor import Monitor, MonitorGamut, monitor_gamut
+from symrt.gamut.recipes import InkGamut, ink_gamut
 from symrt.gamut.slabs import Black, Gamut
 from symrt.gamut.slabs import device_gamut as slab_gamut
 from symrt.spectra.bands import Number
 
 __all__ = ["MODELS", "AnyGamut", "device_gamut"]
 
-MODELS = ("unit", "envelope", "hull", "colorimetric", "monitor")
+MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")
 
-AnyGamut = Gamut | HullGamut | ColorimetricGamut | MonitorGamut
+AnyGamut = Gamut | HullGamut | InkGamut | ColorimetricGamut | MonitorGamut
 
 
 @overload
@@ -47,12 +48,12 @@ def device_gamut(
         From `load_device`.
     model
         ``"unit"`` and ``"envelope"``: bounds in each band, see `Gamut`.  ``"hull"``: mixtures of prints, see
-        `HullGamut`.  ``"colorimetric"``: their colours under a viewing light, see `ColorimetricGamut`.  ``"monitor"``:
-        the colours that a monitor shows, see `MonitorGamut`.
+        `HullGamut`.  ``"inks"``: what its inks print, see `InkGamut`.  ``"colorimetric"``: colours under a viewing
+        light, see `ColorimetricGamut`.  ``"monitor"``: the colours that a monitor shows, see `MonitorGamut`.
     black
         What becomes of the dark, for bounds in each band.
     tolerance
-        Of a hull: the root mean square difference that passes for none.
+        Of a hull, or of what inks print: the root mean square difference that passes for none.
     light
         Of a colorimetric gamut: the illuminant under which prints are seen.
 
@@ -77,5 +78,7 @@ def device_gamut(
     if model in ("unit", "envelope"):
         return slab_gamut(device, model, black)
     if black != "clip":
-        raise ValueError(f"black = {black!r}: the {model} has its own black, that of the prints; leave it out")
-    return hull_gamut(device, tolerance) if model == "hull" else colorimetric_gamut(device, light)
+        raise ValueError(f"black = {black!r}: model {model!r} has its own black, that of the prints; leave it out")
+    if model == "colorimetric":
+        return colorimetric_gamut(device, light)
+    return hull_gamut(device, tolerance) if model == "hull" else ink_gamut(device, tolerance)

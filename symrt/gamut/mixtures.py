@@ -7,6 +7,7 @@ in until there are none, and that plane then proves how far the hull is.
 References
 ----------
 .. [1] C. L. Lawson and R. J. Hanson, "Solving Least Squares Problems", Prentice-Hall 1974, ch. 23.
+.. [2] P. Wolfe, "Finding the nearest point in a polytope", Mathematical Programming 11, 1976, pp. 128-149.
 """
 
 import numpy as np
@@ -20,8 +21,14 @@ __all__ = ["EXACT", "nearest_mixtures"]
 BROUGHT_IN = 16
 """Prints that join the mixture of a spectrum in each round."""
 ROUNDS = 200
-EXACT = 1e-10
-"""Distances, in reflectance, are known to this."""
+EXACT = 1e-7
+"""What is outside by less counts as on the boundary: near it the squares of differences are lost in rounding."""
+AIM = 1e-11
+"""Distances are sought to this, as long as they get less."""
+STALLED = 1 - 1e-6
+"""Of the distance in the round before: what gets no less has arrived, if its plane says so too."""
+SQUARE = 1e-20
+"""Of lengths at most 1: a plane this close to the nearest mixture has all points behind it."""
 CHUNK = 2048
 """Spectra whose inner products with all prints are in memory at once."""
 
@@ -61,7 +68,7 @@ def _nearest(
     few = min(BROUGHT_IN, len(samples))
     taking_part = list(np.argpartition(squares, few - 1, axis=1)[:, :few])
     mixtures, apart = spectra.copy(), np.zeros(len(spectra))
-    rows = np.arange(len(spectra))
+    rows, before = np.arange(len(spectra)), np.full(len(spectra), np.inf)
     for _ in range(ROUNDS):
         # SciPy has no batched least squares of this kind; each of these small problems takes some 20 µs.
         for row in rows:
@@ -71,10 +78,11 @@ def _nearest(
         beyond = normals @ samples.T
         reach = np.sum(normals * spectra[rows], axis=1) - beyond.max(axis=1)
         apart[rows] = np.maximum(apart[rows], reach / np.maximum(length, np.finfo(float).tiny))
-        done = length - apart[rows] <= EXACT / 4
+        open_ = length - apart[rows]
+        done = (open_ <= AIM) | ((open_ <= EXACT / 2) & (length > before * STALLED)) | (length >= before)
         if enough is not None:
             done |= (length <= enough) | (apart[rows] > enough + EXACT)
-        rows, beyond = rows[~done], beyond[~done]
+        rows, beyond, before = rows[~done], beyond[~done], length[~done]
         if not rows.size:
             break
         for row, newcomers in zip(rows, np.argpartition(-beyond, few - 1, axis=1)[:, :few], strict=True):
@@ -89,7 +97,38 @@ def _mixed(
     away = (samples[taking_part] - spectrum).T
     scale = max(float(np.abs(away).max()), np.finfo(float).tiny)
     rows = np.vstack([away / scale, np.ones(len(taking_part))])
-    weights, _ = nnls(rows, np.append(np.zeros(len(spectrum)), 1.0))
+    try:
+        weights = nnls(rows, np.append(np.zeros(len(spectrum)), 1.0))[0]
+    except RuntimeError:  # among nearly equal samples it may go in circles
+        weights = _by_corrals(away.T / scale)
     used = weights > 0
     weights = weights[used] / weights[used].sum()
     return taking_part[used], spectrum + away[:, used] @ weights
+
+
+def _by_corrals(points: Float[np.ndarray, "few band"]) -> Float[np.ndarray, " few"]:
+    """Weights of the mixture nearest to the origin, by Wolfe's method, which meets no point twice [2]_."""
+    weights = np.zeros(len(points))
+    weights[np.sum(points**2, axis=1).argmin()] = 1.0
+    for _ in range(ROUNDS):
+        mixture = weights @ points
+        along = points @ mixture
+        newcomer = int(along.argmin())
+        if mixture @ mixture - along[newcomer] <= SQUARE or weights[newcomer] > 0:
+            break
+        corral = np.append(np.flatnonzero(weights), newcomer)
+        while True:
+            square = points[corral] @ points[corral].T + 1
+            free = np.linalg.lstsq(square, np.ones(len(corral)), rcond=None)[0]
+            free /= free.sum()
+            falling = free <= 0
+            if not falling.any():
+                break
+            # As far towards the free solution as all weights stay: one of them becomes nothing, and leaves.
+            held = weights[corral]
+            share = (held[falling] / (held[falling] - free[falling])).min()
+            weights[corral] = np.where(falling & (held <= share * (held - free)), 0.0, held + share * (free - held))
+            corral = corral[weights[corral] > 0]
+        weights[:] = 0
+        weights[corral] = free
+    return weights

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog, minimize
+from scipy.optimize import linprog, minimize, nnls
 
 from symrt.feedback.clipping import clip
 from symrt.gamut import ConvexGamut, Device, device_gamut, load_device
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut
-from symrt.gamut.mixtures import nearest_mixtures
+from symrt.gamut.mixtures import _by_corrals, nearest_mixtures
 from symrt.spectra.bands import RGB, wavelengths
 
 BANDS = wavelengths(400, 700, 50)
@@ -86,6 +86,28 @@ def test_nearest_mixtures_of_a_triangle_are_those_of_plane_geometry():
     foot = [3 * 9 / 25, 4 * 16 / 25]
     wanted = np.array([foot, [0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [3.0, 0.0]])
     np.testing.assert_allclose(nearest_mixtures(corners, points)[0], wanted, atol=1e-10)
+
+
+def test_prints_that_nearly_agree_do_not_lead_in_circles():
+    device = load_device("synthetic-cmykog")
+    amounts = np.random.default_rng(0).uniform(0, 1, (20, 6))
+    prints = device.printer.printed(amounts)
+    mixtures, apart = nearest_mixtures(device.samples, prints)
+    # Inside, where the squares of differences are lost in rounding, the two still agree to a millionth.
+    np.testing.assert_allclose(np.linalg.norm(prints - mixtures, axis=1), apart, atol=1e-6)
+
+
+@pytest.mark.parametrize(("points", "bands"), [(3, 2), (20, 5), (60, 7)])
+def test_wolfes_method_and_non_negative_least_squares_come_equally_near(points, bands):
+    draw = np.random.default_rng(points)
+    for _ in range(20):
+        cloud = draw.normal(draw.uniform(0, 0.5), 0.3, (points, bands))
+        weights = _by_corrals(cloud)
+        assert weights.min() >= 0
+        assert weights.sum() == pytest.approx(1, abs=1e-12)
+        other = nnls(np.vstack([cloud.T, np.ones(points)]), np.append(np.zeros(bands), 1))[0]
+        lengths = [np.linalg.norm(w @ cloud) for w in (weights, other / other.sum())]
+        assert lengths[0] == pytest.approx(lengths[1], abs=1e-9)
 
 
 @pytest.mark.parametrize("copies", [1, 3])
@@ -246,7 +268,7 @@ def test_verdicts_are_asked_by_the_name_of_the_model(device):
         device_gamut(device, "monitor")
     with pytest.raises(ValueError, match=r"model = 'hull': crt-brainard is a monitor; choose 'monitor'"):
         device_gamut(load_device("crt-brainard"), "hull")
-    with pytest.raises(ValueError, match=r"black = 'strict': the hull has its own black"):
+    with pytest.raises(ValueError, match=r"black = 'strict': model 'hull' has its own black"):
         device_gamut(device, "hull", "strict")
     with pytest.raises(ValueError, match=r"no colour under a light"):
         colorimetric_gamut(

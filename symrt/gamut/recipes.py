@@ -1,0 +1,231 @@
+"""What a printer can really print: reflectances for which a recipe, amounts of its inks, is found; a gamut for step 4.
+
+``distance(r) = min_a ‖R(a) − r‖ / √K`` over amounts 0 <= a <= most, with R the printer's forward model.  The minimum is
+sought by the method of Levenberg and Marquardt [1]_, within bounds, from a few of the device's prints that are nearest.
+A recipe that is found proves that the print exists, as far as the model tells the printer; one that is not found proves
+nothing for certain.  The set is not convex: a line may enter it more than once, and there is no support.
+
+References
+----------
+.. [1] D. W. Marquardt, "An Algorithm for Least-Squares Estimation of Nonlinear Parameters", J. SIAM 11(2), 1963.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from symrt.arrays import PerPixel, PixelBands
+from symrt.gamut.device import Device, Printer
+from symrt.gamut.hull import TOLERANCE
+from symrt.spectra.bands import Bands, Number
+
+__all__ = ["InkGamut", "ink_gamut", "recipes"]
+
+STARTS = 4
+"""Prints from which each recipe is sought."""
+STEPS = 60
+MOVED = 1e-7
+"""Share of the largest amount by which an ink is moved to see what it does."""
+DAMPED = 1e-3
+MOST_DAMPED = 1e12
+"""A step damped more than this goes nowhere: the search is over."""
+CHUNK = 1024
+EDGE = 1e-9
+LOOKS = 64
+"""Places on a line at which it is asked whether it is inside; a shorter stretch may be missed."""
+HALVINGS = 40
+
+Recipes = Float[np.ndarray, "pixel ink"]
+
+
+@dataclass(frozen=True, eq=False)
+class InkGamut:
+    """Reflectances that a printer's model comes near to with some amounts of its inks.
+
+    Parameters
+    ----------
+    device
+        A device with a printer, shipped or fitted.
+    tolerance
+        Root mean square difference up to which a spectrum counts as printed.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> gamut = ink_gamut(load_device("dye3-endura-premier"))
+    >>> gamut.contains(np.array([[0.9] * 36, [0.95] * 36]))
+    array([ True, False])
+    """
+
+    device: Device
+    tolerance: float
+
+    model = "inks"
+    label = "sufficient, within the fit of the printer's model"
+    """What being inside proves."""
+
+    @property
+    def name(self) -> str:
+        """The gamut in words."""
+        return f"what the inks of {self.device.name} print, within {self.tolerance:.4f} RMS"
+
+    @property
+    def bands(self) -> Bands:
+        """Wavelengths of its spectra."""
+        return self.device.bands
+
+    def under(self, white: Float[np.ndarray, " band"]) -> "InkGamut":  # noqa: ARG002 -- what every gamut can be asked
+        """The same: what a device prints does not depend on the light."""
+        return self
+
+    def distance(self, spectra: PixelBands) -> PerPixel:
+        """Root mean square difference from the nearest print that is found."""
+        return _rms(recipes(self.device, spectra)[1] - spectra)
+
+    def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
+        """Whether a recipe for each spectrum is found."""
+        return self.violation(spectra) == 0
+
+    def violation(self, spectra: PixelBands) -> PerPixel:
+        """How much farther than the tolerance each spectrum is from the nearest print that is found; 0 inside."""
+        excess = self.distance(spectra) - self.tolerance
+        return np.where(excess <= EDGE, 0.0, excess)
+
+    def nearest(self, spectra: PixelBands) -> PixelBands:
+        """Each spectrum, or, if it is outside, the nearest print that is found."""
+        prints = recipes(self.device, spectra)[1]
+        inside = _rms(prints - spectra) <= self.tolerance + EDGE
+        return np.where(inside[:, None], spectra, prints)
+
+    def clip(
+        self, origin: PixelBands, direction: PixelBands, within: tuple[Number, Number] = (0.0, 1.0)
+    ) -> list[list[tuple[float, float]]]:
+        """For each line ``origin + t direction`` the intervals of t inside, between two values of t.
+
+        Stretches shorter than 1/64 of the range may be missed.
+        """
+        t = np.linspace(within[0], within[1], LOOKS + 1)
+        points = origin[:, None] + t[:, None] * direction[:, None]
+        inside = self.contains(points.reshape(-1, origin.shape[1])).reshape(len(origin), -1)
+        pixel, after = np.nonzero(inside[:, 1:] != inside[:, :-1])
+        ends = self._ends(origin[pixel], direction[pixel], t[after], t[after + 1], inside[pixel, after])
+        found: list[list[tuple[float, float]]] = []
+        for row, seen in enumerate(inside):
+            at = [*([t[0]] if seen[0] else []), *ends[pixel == row], *([t[-1]] if seen[-1] else [])]
+            found.append([(float(a), float(b)) for a, b in zip(at[::2], at[1::2], strict=True)])
+        return found
+
+    def _ends(
+        self,
+        origin: PixelBands,
+        direction: PixelBands,
+        low: PerPixel,
+        high: PerPixel,
+        inside_low: Bool[np.ndarray, " pixel"],
+    ) -> PerPixel:
+        """The last t inside, between one that is inside and one that is not."""
+        inner, outer = np.where(inside_low, low, high), np.where(inside_low, high, low)
+        for _ in range(HALVINGS if len(origin) else 0):
+            middle = (inner + outer) / 2
+            inside = self.contains(origin + middle[:, None] * direction)
+            inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
+        return inner
+
+    def __repr__(self) -> str:
+        modelled = " (modelled)" if self.device.modelled else ""
+        return f"InkGamut({self.name}{modelled}; inside is {self.label}, not necessary)"
+
+
+def ink_gamut(device: Device, tolerance: Number = TOLERANCE) -> InkGamut:
+    """What a printer's inks print, by its model.
+
+    Parameters
+    ----------
+    device
+        A device with a printer; a chart's gets one from `fit_halftone`.
+    tolerance
+        Root mean square difference of reflectances that passes for none.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> ink_gamut(load_device("synthetic-cmyk")).label
+    "sufficient, within the fit of the printer's model"
+    """
+    if device.printer is None:
+        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
+    if not tolerance > 0:
+        raise ValueError(f"tolerance = {tolerance}: recipes are sought to a root mean square difference above 0")
+    return InkGamut(device, float(tolerance))
+
+
+def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
+    """Amounts of the inks that come nearest to each spectrum, of those that are found, and what they print.
+
+    Examples
+    --------
+    >>> from symrt.gamut.inks import load_device
+    >>> recipes(load_device("dye3-endura-premier"), np.full((1, 36), 0.9))[0].round(6)
+    array([[0., 0., 0.]])
+    """
+    if device.printer is None:
+        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
+    amounts = np.zeros((len(spectra), len(device.inks)))
+    for first in range(0, len(spectra), CHUNK):
+        amounts[first : first + CHUNK] = _sought(device, device.printer, spectra[first : first + CHUNK])
+    return amounts, device.printer.printed(amounts)
+
+
+def _sought(device: Device, printer: Printer, spectra: PixelBands) -> Recipes:
+    """The best of the recipes that the nearest prints lead to."""
+    far = np.sum(device.samples**2, axis=1) - 2 * (spectra @ device.samples.T)
+    starts = min(STARTS, len(device.samples))
+    nearest = np.argpartition(far, starts - 1, axis=1)[:, :starts].T
+    found = [_descended(printer, device.amounts[start], spectra) for start in nearest]
+    errors = np.array([_rms(printer.printed(amounts) - spectra) for amounts in found])
+    return np.array(found)[errors.argmin(axis=0), np.arange(len(spectra))]
+
+
+def _descended(printer: Printer, amounts: Recipes, spectra: PixelBands) -> Recipes:
+    """The recipe at the bottom of the valley that each one lies in; bounds are kept."""
+    amounts = amounts.copy()
+    damping = np.full(len(amounts), DAMPED)
+    missed = printer.printed(amounts) - spectra
+    for _ in range(STEPS):
+        rows = np.flatnonzero(damping < MOST_DAMPED)
+        if not rows.size:
+            break
+        tried = _stepped(printer, amounts[rows], missed[rows], damping[rows])
+        left = printer.printed(tried) - spectra[rows]
+        before, after = np.sum(missed[rows] ** 2, axis=1), np.sum(left**2, axis=1)
+        better = after < before
+        amounts[rows[better]], missed[rows[better]] = tried[better], left[better]
+        # What hardly improves any more has arrived.
+        arrived = better & (after > before * (1 - EDGE))
+        damping[rows] = np.where(arrived, np.inf, damping[rows] * np.where(better, 0.2, 8.0))
+    return amounts
+
+
+def _stepped(printer: Printer, amounts: Recipes, missed: PixelBands, damping: PerPixel) -> Recipes:
+    """One damped step of Gauss and Newton; an ink at a bound that wants to pass it stays."""
+    move = MOVED * printer.most
+    change = np.where(amounts < printer.most / 2, move, -move)
+    slopes = np.empty((*amounts.shape, missed.shape[1]))
+    here = printer.printed(amounts)
+    for ink in range(amounts.shape[1]):
+        moved = amounts.copy()
+        moved[:, ink] += change[:, ink]
+        slopes[:, ink] = (printer.printed(moved) - here) / change[:, ink, None]
+    gradient = np.einsum("pib,pb->pi", slopes, missed)
+    held = ((amounts <= 0) & (gradient > 0)) | ((amounts >= printer.most) & (gradient < 0))
+    slopes[held] = 0
+    square = np.einsum("pib,pjb->pij", slopes, slopes)
+    diagonal = np.einsum("pii->pi", square)
+    diagonal += damping[:, None] * diagonal + np.where(diagonal > 0, 0, 1)
+    step = np.linalg.solve(square, np.where(held, 0, gradient)[:, :, None])[:, :, 0]
+    return np.clip(amounts - step, 0, printer.most)
+
+
+def _rms(differences: PixelBands) -> PerPixel:
+    return np.sqrt(np.mean(differences**2, axis=1))
