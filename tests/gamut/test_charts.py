@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from symrt.gamut.colorimetry import lab, tristimulus
+from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.inks import load_device, reflectance
+from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
 
 NM = np.arange(380, 731, 10)
@@ -397,6 +399,19 @@ def test_other_bands_are_interpolated_and_never_extrapolated(tmp_path):
     np.testing.assert_allclose(fine.samples[:, 1], middle, rtol=1e-12)
     with pytest.raises(ValueError, match=r"chart.txt covers 380 … 730 nm, .*nothing is extrapolated"):
         load_device(file, wavelengths(370, 730, 10))
+
+
+@pytest.mark.parametrize("inks", [INKS, []])
+def test_the_gamut_of_a_chart_is_saved_and_comes_back(tmp_path, inks):
+    file = tmp_path / "chart.txt"
+    file.write_text(text_chart(inks=inks))
+    gamut = device_gamut(load_device(file), "envelope", "strict")
+    save_gamut(tmp_path / "gamut.npz", gamut)
+    again = load_gamut(tmp_path / "gamut.npz")
+    assert repr(again) == repr(gamut)
+    assert (again.device.inks, again.device.printer) == (gamut.device.inks, None)
+    np.testing.assert_array_equal(again.device.samples, gamut.device.samples)
+    np.testing.assert_array_equal(again.lower, SPECTRA.min(axis=0).round(8))
 
 
 def test_a_chart_alone_has_no_model(tmp_path):
