@@ -5,6 +5,7 @@ its luminance from below.  The set is convex.  Being inside is *necessary* for a
 reach a thin, curved part of it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -127,13 +128,20 @@ class Gamut:
         boxed[dark] = self._lifted(spectra[dark], self.weights)
         return boxed
 
-    def slice(self, k: int) -> Slice:
-        """The cut through the gamut: coordinates whose spectra, all others zero, are inside."""
-        return Slice(self.basis.vectors[:k], self.lower, self.upper)
+    def slice(self, k: int | Sequence[int]) -> Slice:
+        """The cut through the gamut: the first k coordinates, or those named, of spectra inside whose others are 0."""
+        return Slice(self._components(k), self.lower, self.upper)
 
-    def shadow(self, k: int) -> Shadow:
-        """The projection of the gamut: the first k coordinates of all its spectra, luminance's bound left out."""
-        return Shadow(self.basis.vectors[:k], self.lower, self.upper)
+    def shadow(self, k: int | Sequence[int]) -> Shadow:
+        """The projection of the gamut: these coordinates of all its spectra, luminance's bound left out."""
+        return Shadow(self._components(k), self.lower, self.upper)
+
+    def _components(self, k: int | Sequence[int]) -> Float[np.ndarray, "component band"]:
+        chosen = list(range(k)) if isinstance(k, int) else list(k)
+        last = len(self.bands) - 1
+        if not chosen or len(set(chosen)) < len(chosen) or not all(0 <= i <= last for i in chosen):
+            raise ValueError(f"components {k}: name different ones, from 0 to {last}")
+        return self.basis.vectors[chosen]
 
     def _box_support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
         return np.where(directions > 0, directions * self.upper, directions * self.lower).sum(axis=1)

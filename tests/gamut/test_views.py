@@ -90,3 +90,16 @@ def test_only_three_dimensions_make_a_solid(gamut):
     for view in (gamut.slice(4), gamut.shadow(2)):
         with pytest.raises(ValueError, match=r"k = \d: only three"):
             view.polyhedron()
+
+
+def test_any_components_can_be_chosen_and_impossible_ones_are_refused():
+    gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    assert np.array_equal(gamut.shadow((0, 1, 2)).vectors, gamut.shadow(3).vectors)
+    chosen = gamut.shadow((5, 2, 9))
+    inside = np.random.default_rng(2).uniform(gamut.lower, gamut.upper, (200, 36))
+    directions = np.random.default_rng(3).normal(size=(50, 3))
+    reach = (directions @ (inside @ gamut.basis.vectors[[5, 2, 9]].T).T).max(axis=1)
+    assert np.all(reach <= chosen.support(directions))
+    for wrong in ((0, 0, 1), (0, 1, 36), (-1, 0, 1), ()):
+        with pytest.raises(ValueError, match="from 0 to 35"):
+            gamut.shadow(wrong)

@@ -47,6 +47,7 @@ class Paper:
 
     view: View
     vectors: Float[np.ndarray, "3 band"]
+    components: tuple[int, int, int] = (0, 1, 2)
 
     def __call__(self, spectra: Float[np.ndarray, "point band"]) -> Points:
         """Where spectra are drawn."""
@@ -61,6 +62,7 @@ def gamut_figure(
     light: str | None = None,
     within: tuple[Number, Number] = (0.01, 3.0),
     exposure: Number = 1.0,
+    components: tuple[int, int, int] = (0, 1, 2),
 ) -> Drawing:
     """The gamut's shadow in three components, with segments of scaled and of blended materials: the paper's Figure 1.
 
@@ -74,6 +76,8 @@ def gamut_figure(
         The reference light, which colours are seen under; the palette's first if not given.
     within
         The scales looked at.
+    components
+        Which three coordinates are drawn, the first upright; (0, 1, 2) has the neutral axis upright, as in the paper.
 
     Examples
     --------
@@ -89,7 +93,8 @@ def gamut_figure(
     blended = blend_segments(gamut, palette, materials, palette[light], exposure)
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(gamut))
-    paper, solid = Paper(View(), gamut.basis.vectors[:3]), gamut.shadow(3).polyhedron()
+    shadow = gamut.shadow(components)
+    paper, solid = Paper(View(), shadow.vectors, components), shadow.polyhedron()
     left, right = (_panel(figure, gamut, solid, paper, side) for side in (0, 1))
     for axes, segments, width in ((left, scaled, 3.4), (right, blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
@@ -102,9 +107,9 @@ def gamut_figure(
     _label(right, given)
     _panel_title(left, "a", f"Each material's reflectance, scaled by {within[0]:.2f} … {within[1]:.2f}")
     _panel_title(right, "b", _blends_title(blended))
-    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper.view)
+    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     _legend(figure)
-    caption(figure, _segments_caption(gamut, light, exposure))
+    caption(figure, _segments_caption(gamut, light, exposure, components))
     return figure
 
 
@@ -124,7 +129,7 @@ def solids_figure(gamut: Gamut) -> Drawing:
     for side, (name, solid) in enumerate(solids):
         axes = _panel(figure, gamut, solid, paper, side)
         _panel_title(axes, "ab"[side], f"Its {name}: volume {solid.volume:.3g}, {len(facets(solid))} sides")
-    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper.view)
+    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     text = "The shadow is the projection of all of the gamut, the slice its cut where every other component is zero. "
     caption(figure, wrapped(text + _device_text(gamut), 175))
     return figure
@@ -134,9 +139,10 @@ def _title(gamut: Gamut) -> str:
     return f"Spectral gamut, 3 of {len(gamut.bands)} components: {gamut.name}"
 
 
-def _segments_caption(gamut: Gamut, light: str, exposure: Number) -> str:
+def _segments_caption(gamut: Gamut, light: str, exposure: Number, components: tuple[int, int, int]) -> str:
+    first, second, third = (f"c{i} (the neutral axis)" if i == 0 else f"c{i}" for i in components)
     text = (
-        "Body: shadow (projection) of the gamut on c0, the neutral axis, c1 and c2. Materials: diffuse reflectance "
+        f"Body: shadow (projection) of the gamut on {first}, {second} and {third}. Materials: diffuse reflectance "
         f"facing the reference light, {light}; exposure {exposure:g}. Clipped in all {len(gamut.bands)} bands, so that "
         "a segment may leave the gamut where its shadow still covers it; no physical cap. "
     )
@@ -155,7 +161,8 @@ def _panel(figure: Figure, gamut: Gamut, solid: Polyhedron, paper: Paper, side: 
     axes, sides = figure.add_axes((0.5 * side, 0.14, 0.5, 0.74)), facets(solid)
     _draw_body(axes, sides, paper.view)
     _frame(axes, figure, outline(sides, paper.view))
-    _draw_neutral_axis(axes, paper, float(paper.vectors[0] @ gamut.upper))
+    ends = gamut.shadow(paper.components).support(np.array([[-1.0, 0, 0], [1.0, 0, 0]]))
+    _draw_upright_axis(axes, paper, -float(ends[0]), float(ends[1]))
     return axes
 
 
@@ -190,22 +197,30 @@ def _frame(axes: Axes, figure: Figure, contour: Points) -> None:
     axes.set_axis_off()
 
 
-def _draw_neutral_axis(axes: Axes, paper: Paper, top: float) -> None:
-    """c0 from black upwards, with its whole numbers; white is at √K."""
-    ticks = np.arange(int(top) + 1)
-    points = paper.view.project(np.array([[t, 0.0, 0.0] for t in (*ticks, top)]))
+def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> None:
+    """The first coordinate with its whole numbers; along the neutral axis black is at 0 and white at √K."""
+    ticks = np.arange(math.ceil(bottom), math.floor(top) + 1)
+    points = paper.view.project(np.array([[t, 0.0, 0.0] for t in (bottom, *ticks, top)]))
     axes.plot(points[[0, -1], 0], points[[0, -1], 1], color=INK, lw=0.8, zorder=2)
-    axes.plot(*points[:-1].T, ls="none", marker="_", ms=6, mew=0.8, color=INK, zorder=2)
+    axes.plot(*points[1:-1].T, ls="none", marker="_", ms=6, mew=0.8, color=INK, zorder=2)
     text: dict[str, Any] = {"textcoords": "offset points", "color": INK, "zorder": 7}
-    for tick, point in zip(ticks, points, strict=False):
+    for tick, point in zip(ticks, points[1:-1], strict=True):
         axes.annotate(str(tick), point, (-7, 0), ha="right", va="center", fontsize=7.5, **text)
-    axes.annotate("$c_0$, neutral", points[-1], (0, 6), ha="center", fontsize=9, **text)
+    upright = paper.components[0]
+    axes.annotate(
+        f"$c_{{{upright}}}$" + (", neutral" if upright == 0 else ""),
+        points[-1],
+        (0, 6),
+        ha="center",
+        fontsize=9,
+        **text,
+    )
 
 
-def _draw_directions(axes: Axes, view: View) -> None:
+def _draw_directions(axes: Axes, paper: Paper) -> None:
     """One unit along each coordinate."""
-    tips = view.project(np.eye(3))
-    for name, tip in zip(("$c_0$", "$c_1$", "$c_2$"), tips, strict=True):
+    tips = paper.view.project(np.eye(3))
+    for name, tip in zip((f"$c_{{{i}}}$" for i in paper.components), tips, strict=True):
         arrow = {"arrowstyle": "-|>,head_width=.15,head_length=.3", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tip, (0, 0), arrowprops=arrow)
         axes.annotate(name, 1.25 * tip, ha="center", va="center", fontsize=8, color=INK)
