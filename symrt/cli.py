@@ -4,7 +4,6 @@ Nothing slow is imported before a command needs it, so that ``symrt --help`` ans
 line a fault on standard error and exit code 2; results go to standard output, progress to standard error.
 """
 
-import json
 import sys
 import warnings
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from symrt.explore import options as option
 from symrt.explore.arguments import (
     formula_of,
     gamut_of,
+    gamuts_of,
     palette_of,
     parameter_of,
     scale_of,
@@ -27,7 +27,7 @@ from symrt.explore.arguments import (
     system_of,
     writable,
 )
-from symrt.explore.writing import write_whole
+from symrt.explore.writing import draw, json_text
 
 __all__ = ["main"]
 
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refused(error.format_message())
     except OSError as error:
         return _refused(f"{error.filename}: {error.strerror}" if error.filename else str(error))
-    except ValueError as error:
+    except (ValueError, MemoryError) as error:
         return _refused(str(error))
 
 
@@ -94,7 +94,7 @@ def plan(scene: option.SceneFile, as_json: option.Json = False) -> None:
     found = rt.plan(rt.load_scene(scene))
     keys = ("effect", "simulated", "because", "rays at most")
     record = [dict(zip(keys, effect.row, strict=True)) | {"simulated": effect.simulated} for effect in found.effects]
-    typer.echo(_as_json(record) if as_json else str(found))
+    typer.echo(json_text(record) if as_json else str(found))
 
 
 @app.command()
@@ -110,7 +110,7 @@ def probe(
     found = rt.probe(rt.load_scene(scene), rays=rays)
     record = {"rays": found.rays, "mirrored": found.mirrored, "hidden": found.hidden}
     record |= {"meetings": [asdict(meeting) for meeting in found.meetings]}
-    typer.echo(_as_json(record) if as_json else str(found))
+    typer.echo(json_text(record) if as_json else str(found))
 
 
 @app.command()
@@ -138,7 +138,7 @@ def render(
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
-    typer.echo(_as_json(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
+    typer.echo(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
 
 
 @app.command()
@@ -161,7 +161,7 @@ def formula(
     found = formula_of(source, size, x, y, collapsed)
     if as_json:
         record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
-        typer.echo(_as_json(record | {"symbols": list(found.symbols), "values": dict(found.values)}))
+        typer.echo(json_text(record | {"symbols": list(found.symbols), "values": dict(found.values)}))
     else:
         typer.echo(found.latex() if latex else found.code() if python else str(found))
 
@@ -211,9 +211,9 @@ def gamut(
     if save is not None:
         rt.save_gamut(save, found)
     if plot is not None:
-        _draw(plot, "solids_figure", found)
+        draw(plot, "solids_figure", found)
     facts = gamut_facts(found)
-    typer.echo(_as_json(facts) if as_json else gamut_table(facts))
+    typer.echo(json_text(facts) if as_json else gamut_table(facts))
 
 
 @app.command()
@@ -251,9 +251,32 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     options = {"within": within, "allowed_out": allowed_out, "cap": cap, "reference": seen}
     found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
     if plot is not None:
-        _draw(plot, "ranges_figure", found, system, spectra, limits, seen)
+        draw(plot, "ranges_figure", found, system, spectra, limits, seen)
     answers = [feasible_record(one) for one in found]
-    typer.echo(_as_json(answers) if as_json else "\n\n".join(map(repr, found)))
+    typer.echo(json_text(answers) if as_json else "\n\n".join(map(repr, found)))
+
+
+@app.command()
+def report(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: option.Source,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    device: option.DeviceName = DEVICE,
+    model: option.Models = None,
+    monitor: option.Monitor = "crt-brainard",
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    as_json: option.Json = False,
+) -> None:
+    """Take one image through several gamuts: who says yes, who no.
+
+    Example: symrt report globe --palette macbeth --model envelope --model hull
+    """
+    spectra = palette_of(source, palettes, palette)
+    gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, spectra.bands)
+    said = rt.report(system_of(source, size), spectra, gamuts, rt.Reference(reference, exposure))
+    typer.echo(json_text(asdict(said)) if as_json else str(said))
 
 
 @app.command()
@@ -294,7 +317,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
         # A picture is seen as the fit was asked; other files hold the radiances as they are.
         view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}
         rt.save_image(out, rt.shade(system, found.palette), **view)
-    typer.echo(_as_json(fit_record(found)) if as_json else repr(found))
+    typer.echo(json_text(fit_record(found)) if as_json else repr(found))
 
 
 @app.command()
@@ -323,13 +346,3 @@ def _refused(message: str) -> int:
     for line in message.splitlines():
         typer.echo(f"symrt: {line if len(line) <= LONGEST else line[:LONGEST] + '…'}", err=True)
     return BAD_INPUT
-
-
-def _as_json(record: Any) -> str:
-    return json.dumps(record, indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def _draw(path: Path, figure: str, *arguments: Any) -> None:
-    from symrt.explore import plots  # noqa: PLC0415  # matplotlib is slow to import
-
-    write_whole(path, plots.png(getattr(plots, figure)(*arguments)))

@@ -350,3 +350,26 @@ def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, s
     assert record["verdict"] == expected.verdict
     rt.save_image("same.png", rt.shade(system, expected.palette))
     assert (tmp_path / "light.png").read_bytes() == (tmp_path / "same.png").read_bytes()
+
+
+def test_report_gives_the_librarys_verdicts_as_json(run):
+    code, out, _ = run("report", "globe", "--palette", "macbeth", "--size", "32", "--model", "unit", "--json")
+    record = json.loads(out)
+    assert code == 0
+    palette = rt.load_palettes("globe")["macbeth"]
+    scene = rt.load_scene("globe")
+    small = replace(scene, camera=replace(scene.camera, width=32, height=32))
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "unit")
+    verdict = rt.report(rt.render(small, progress=False), palette, [gamut]).verdicts[0]
+    assert record["verdicts"][0]["inside"] == verdict.inside
+    assert len(record["verdicts"]) == 2
+
+
+def test_a_picture_too_large_for_the_machine_ends_in_one_line(run, monkeypatch):
+    def too_large(*_arguments, **_options):
+        raise MemoryError("Unable to allocate 36.0 GiB for an array with shape (134217728, 36)")
+
+    monkeypatch.setattr(rt, "shade", too_large)
+    code, _, error = run("shade", "first", "--palette", "plain", "--out", "a.png", "--size", "16")
+    assert code == 2
+    assert error.splitlines() == ["symrt: Unable to allocate 36.0 GiB for an array with shape (134217728, 36)"]

@@ -14,9 +14,11 @@ from symrt.errors import shown, suggestion
 
 if TYPE_CHECKING:
     from symrt.feedback.parameters import Parameter, Scale
+    from symrt.gamut.interface import ConvexGamut
     from symrt.gamut.slabs import Gamut
     from symrt.linear.formulas import Formula
     from symrt.scene.records import Scene
+    from symrt.spectra.bands import Bands
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
 
@@ -24,6 +26,7 @@ __all__ = [
     "alternatives_of",
     "formula_of",
     "gamut_of",
+    "gamuts_of",
     "is_file",
     "palette_of",
     "parameter_of",
@@ -124,6 +127,14 @@ def gamut_of(word: str, model: str | None = None, black: str | None = None) -> "
     if model or black:
         raise ValueError(f"{word}: a saved gamut has its model and its way with black: leave out --model and --black")
     return rt.load_gamut(word)
+
+
+def gamuts_of(device: str, models: Sequence[str], monitor: str, bands: "Bands") -> "list[ConvexGamut]":
+    """Several gamuts of a device, and a monitor's."""
+    printer, screen = rt.load_device(device), rt.load_device(monitor)
+    if printer.bands != bands:
+        raise ValueError(f"{device} is in {printer.bands!r} and the palette in {bands!r}: use a palette on its bands")
+    return [*(rt.device_gamut(printer, model) for model in models), rt.device_gamut(screen.on(bands), "monitor")]
 
 
 def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -> "Formula":

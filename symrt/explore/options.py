@@ -13,6 +13,8 @@ __all__ = [
     "Exposure",
     "Json",
     "ModelName",
+    "Models",
+    "Monitor",
     "PaletteFile",
     "PaletteName",
     "Parameters",
@@ -38,6 +40,11 @@ DeviceName = Annotated[str, typer.Option("--device", help="A device, or a gamut 
 ModelName = Annotated[
     Literal["unit", "envelope"] | None, typer.Option("--model", help="Which gamut of the device: the envelope.")
 ]
+Models = Annotated[
+    list[str] | None,
+    typer.Option("--model", help="unit, envelope, hull, colorimetric or inks; may be repeated; the first four."),
+]
+Monitor = Annotated[str, typer.Option("--monitor", help="A monitor to compare with: crt-brainard, srgb, ...")]
 BlackName = Annotated[
     Literal["clip", "luminance", "strict"] | None, typer.Option("--black", help="What becomes of the dark: clip.")
 ]

@@ -91,13 +91,13 @@ class Limits:
         return f"{self.gamut.name} ({self.gamut.label}{modelled}); {self.reference}{masked}{cut}"
 
 
-def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Reference | None = None) -> Limits:
+def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Reference | None = None) -> Limits:
     """The bounds of a gamut on the radiances of a system.
 
     Raises
     ------
     ValueError
-        If the palette is not on the gamut's bands, or there is no such reference.
+        If the gamut has no bounds band by band, the palette is not on its bands, or there is no such reference.
 
     Examples
     --------
@@ -110,6 +110,11 @@ def limits(system: LinearSystem, palette: Palette, gamut: Gamut, reference: Refe
     >>> asked.upper.matrix[0, 0].item(), asked.reference
     (0.25, 'reference sun, exposure 0.5')
     """
+    if not isinstance(gamut, Gamut):
+        raise ValueError(  # noqa: TRY004  # another model of the same device is a bad choice, not another type to a user
+            f"{getattr(gamut, 'name', gamut)}: ranges and fits need bounds in each band; use device_gamut(device, "
+            "'envelope') or 'unit', and report or map_pixels for this one"
+        )
     if palette.bands != gamut.bands:
         raise ValueError(
             f"the palette is in {palette.bands!r} and the gamut of {gamut.device.name} in {gamut.bands!r}: use "

@@ -11,8 +11,10 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from symrt.feedback.along import along
+from symrt.feedback.limits import limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
+from symrt.gamut.hull import hull_gamut
 from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import RGB
@@ -326,3 +328,10 @@ def test_interactions_have_the_products_that_shading_gives_them():
         (IMAGE.G @ products)[IMAGE.object_pixels] / white,
         rtol=1e-12,
     )
+
+
+def test_a_gamut_without_bounds_in_each_band_is_refused_with_a_remedy():
+    device = load_device("dye3-endura-premier")
+    system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
+    with pytest.raises(ValueError, match="bounds in each band"):
+        limits(system, Palette(device.bands, {"sun": 8}), hull_gamut(device))
