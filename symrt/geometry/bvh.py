@@ -91,7 +91,7 @@ def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[
 def candidates(
     tree: Tree, rays: Rays, low: PerRay, high: PerRay
 ) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
-    """Pairs of a ray and a triangle that may meet at a distance from `low` to `high`, sorted by ray.
+    """Pairs of a ray and a triangle that may meet at a distance from `low` to `high`.
 
     Examples
     --------
@@ -105,13 +105,14 @@ def candidates(
     # Boxes are widened by what rounding may move the ray aside in the triangle's own test.
     room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
     path = _Path(rays.origin + room, rays.origin - room, inverse, low, high)
-    ray, node = np.arange(len(rays)), np.zeros(len(rays), int)
-    keep = _meets(tree.boxes[0], path, ray, node)
-    ray, node = ray[keep], node[keep]
-    for box in tree.boxes[1:]:
+    # All rays against each of a few boxes need no indexing, which is dearer than the test itself.
+    top = tree.boxes[min(1, len(tree.boxes) - 1)]
+    kept = [np.flatnonzero(_meets(top[:, :, k : k + 1], path)) for k in range(top.shape[2])]
+    ray, node = np.concatenate(kept), np.repeat(np.arange(len(kept)), [len(k) for k in kept])
+    for box in tree.boxes[2:]:
         ray = np.repeat(ray, WAYS)
         node = (node[:, None] * WAYS + np.arange(WAYS)).ravel()
-        keep = _meets(box, path, ray, node)
+        keep = _meets(box.take(node, axis=2), _Path(*(values.take(ray, axis=-1) for values in path)))
         ray, node = ray[keep], node[keep]
     triangle = tree.order[(node[:, None] * LEAF + np.arange(LEAF)).ravel()]
     filled = triangle >= 0
@@ -128,16 +129,13 @@ class _Path(NamedTuple):
     high: Float[np.ndarray, " ray"]
 
 
-def _meets(
-    box: Float[np.ndarray, "2 3 node"], path: _Path, ray: Int[np.ndarray, " pair"], node: Int[np.ndarray, " pair"]
-) -> Bool[np.ndarray, " pair"]:
-    """Whether the stretch of each ray meets the box of each node; a box of nan is met by none."""
-    enter, leave = path.low[ray], path.high[ray]
+def _meets(box: Float[np.ndarray, "2 3 #pair"], path: _Path) -> Bool[np.ndarray, " pair"]:
+    """Whether the stretch of each ray meets its box; a box of nan is met by none."""
+    enter, leave = path.low, path.high
     with np.errstate(over="ignore", invalid="ignore"):
         for axis in range(3):
-            scale = path.inverse[axis, ray]
-            to_low = (box[0, axis, node] - path.for_low[axis, ray]) * scale
-            to_high = (box[1, axis, node] - path.for_high[axis, ray]) * scale
+            to_low = (box[0, axis] - path.for_low[axis]) * path.inverse[axis]
+            to_high = (box[1, axis] - path.for_high[axis]) * path.inverse[axis]
             enter = np.maximum(enter, np.minimum(to_low, to_high))
             leave = np.minimum(leave, np.maximum(to_low, to_high))
         return enter <= leave + 1e-12 * np.abs(leave)

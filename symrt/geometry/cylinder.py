@@ -119,10 +119,10 @@ def _possible(cylinder: Cylinder, rays: Rays) -> Bool[np.ndarray, " ray"]:
     passing = np.abs(m[0] * x + m[1] * y + m[2] * z)
     chosen = passing <= 1.001 * radius * np.sqrt(x * x + y * y + z * z) + 64 * ROUNDING * size * height
     reach = 1.001 * float(np.hypot(height / 2, radius))
-    m = m[:, chosen] - axis / 2
-    d = d[:, chosen]
+    near = np.flatnonzero(chosen)
+    m, d = m.take(near, axis=1) - axis / 2, d.take(near, axis=1)
     x, y, z = (m[i] * d[j] - m[j] * d[i] for i, j in ((1, 2), (2, 0), (0, 1)))
-    chosen[chosen] = x * x + y * y + z * z <= (reach + 32 * ROUNDING * (size[chosen] + height)) ** 2
+    chosen[near] = x * x + y * y + z * z <= (reach + 32 * ROUNDING * (size[near] + height)) ** 2
     return chosen
 
 

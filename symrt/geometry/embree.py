@@ -3,7 +3,7 @@
 Embree computes in single precision, ε = 2⁻²⁴.  Here it sees the mesh centred and scaled to the unit ball, and around
 every edge a thin prism.  An edge function of a triangle in that ball is wrong by a few ε|e| at most, which is a
 distance of a few ε|e|/|e'| where e' is the edge as the ray sees it.  A ray that crosses a triangle at a distance r from
-all of its edges sees every edge longer than 3r.  So r = √(2⁻²⁰|e|) is far enough: a ray that meets no prism before it
+all of its edges sees every edge longer than 2r.  So r = √(2⁻²⁰|e|) is far enough: a ray that meets no prism before it
 meets a triangle has been decided with a margin.  Rays that meet a prism are handed back, for double precision to
 decide.
 """

@@ -135,7 +135,7 @@ def bounded(
             ahead = (found > low) & (found <= LARGEST)
             chosen, found = chosen[ahead], found[ahead]
         if inside is not None:
-            met = inside((rays.origin[:, chosen] - point) + found * rays.direction[:, chosen])
+            met = inside((rays.origin.take(chosen, axis=1) - point) + found * rays.direction.take(chosen, axis=1))
             chosen, found = chosen[met], found[met]
     distance[chosen] = found
     primitive[chosen] = 0

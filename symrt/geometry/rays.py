@@ -73,8 +73,10 @@ class Rays:
     def __getitem__(self, chosen: slice | np.ndarray) -> "Rays":
         """The rays chosen by a slice, a mask or indices; they have been checked."""
         part = object.__new__(Rays)
-        object.__setattr__(part, "origin", self.origin[:, chosen])
-        object.__setattr__(part, "direction", self.direction[:, chosen])
+        for name, values in (("origin", self.origin), ("direction", self.direction)):
+            # take is several times faster than an index array in brackets.
+            picked = values[:, chosen] if isinstance(chosen, slice) else values.take(_indices(chosen), axis=1)
+            object.__setattr__(part, name, picked)
         return part
 
 
@@ -303,6 +305,10 @@ def spawn(
     # A grazing direction gets its side from the exact sign, the same that the shape's own intersection uses.
     side = np.sign(pair_dot(exact(normal), exact(direction))[0])
     return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction)
+
+
+def _indices(chosen: np.ndarray) -> np.ndarray:
+    return np.flatnonzero(chosen) if chosen.dtype == bool else chosen
 
 
 def _unknown(shape: object) -> TypeError:

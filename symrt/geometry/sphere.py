@@ -85,7 +85,7 @@ def intersect_sphere(sphere: Sphere, rays: Rays, low: float = 0.0) -> Crossing:
         m = rays.origin - column(sphere.centre)
         square = _squared_across(m, rays.direction)
         chosen = np.flatnonzero(square <= _room(sphere, m) ** 2)
-        enter, leave, sure = _plain(sphere, m[:, chosen], rays.direction[:, chosen], square[chosen])
+        enter, leave, sure = _plain(sphere, m.take(chosen, axis=1), rays.direction.take(chosen, axis=1), square[chosen])
         hard = np.flatnonzero(~sure)
         enter[hard], leave[hard] = _careful(sphere, rays[chosen[hard]])
         first = np.where(enter > low, enter, np.where(leave > low, leave, np.inf))
@@ -125,7 +125,8 @@ def _careful(sphere: Sphere, rays: Rays) -> tuple[PerRay, PerRay]:
     enter, leave = np.full((2, len(rays)), np.nan)
     # A ray that starts outside and goes outwards is done: this is every shadow ray of the sphere's own.
     ahead = np.flatnonzero((c < 0) | ~(dot(m[0], rays.direction) > 1e-9 * np.abs(m[0]).max(axis=0, initial=0)))
-    m, d, c = (m[0][:, ahead], m[1][:, ahead]), exact(rays.direction[:, ahead]), c[ahead]
+    m = (m[0].take(ahead, axis=1), m[1].take(ahead, axis=1))
+    d, c = exact(rays.direction.take(ahead, axis=1)), c[ahead]
     a, b = pair_dot(d, d), pair_dot(m, d)[0]
     root = np.sqrt(_discriminant(sphere, m, d, pair_product(a, squared_radius)))
 

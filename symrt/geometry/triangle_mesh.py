@@ -151,7 +151,8 @@ def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, lo
     close = enter <= low
     near = chosen[close]
     _record(found, near, _nearest_between(mesh, rays[near], np.full(near.size, low), np.full(near.size, low + step)))
-    start = np.where(close, low + step, enter)
+    # Embree starts half a step earlier than that ends, so that rounding leaves no gap between them.
+    start = np.where(close, low + step / 2, enter)
     left = found.primitive[chosen] < 0
     chosen, start = chosen[left], start[left]
 
@@ -214,7 +215,7 @@ def surface_mesh(mesh: TriangleMesh, rays: Rays, distance: PerRay, primitive: In
     >>> surface_mesh(one, ray, np.array([3.0]), np.zeros(1, np.int32)).point.T
     array([[0.2, 0.2, 0. ]])
     """
-    normal, corner = mesh.unit_normals[:, primitive], mesh.corners[:, :, primitive]
+    normal, corner = mesh.unit_normals.take(primitive, axis=1), mesh.corners.take(primitive, axis=2)
     point = rays.origin + distance * rays.direction
     height = pair_dot(two_sum(point, -corner[0]), exact(normal))[0]
     point = point - height * normal

@@ -54,23 +54,24 @@ def crossings(
     array([3.])
     """
     found = np.full(ray.size, np.inf)
-    weights, depth = _edge_functions(corners, rays, ray, triangle)
-    inside = (weights.min(axis=0) >= 0) | (weights.max(axis=0) <= 0)
-    met = np.flatnonzero(inside & np.any(weights != 0, axis=0) & np.any(normals[:, triangle] != 0, axis=0))
+    (u, v, w), depth = _edge_functions(corners, rays, ray, triangle)
+    least, most = np.minimum(np.minimum(u, v), w), np.maximum(np.maximum(u, v), w)
+    # Three zeros are a triangle seen from its edge.
+    met = np.flatnonzero(((least >= 0) | (most <= 0)) & ((least != 0) | (most != 0)))
     if met.size:
-        exact_depth = _plane_depth(corners[0], normals, rays, ray[met], triangle[met])
+        low, high = np.minimum.reduce(depth)[met], np.maximum.reduce(depth)[met]
+        plane = _plane_depth(corners[0], normals, rays, ray[met], triangle[met])
         # A grazing ray's quotient is wild where the triangle is not: it lies between its nearest and farthest corner.
-        low, high = depth[:, met].min(axis=0), depth[:, met].max(axis=0)
-        exact_depth = np.where(np.isfinite(exact_depth), exact_depth, low)
-        found[met] = np.clip(exact_depth, low, high)
+        there = np.clip(np.where(np.isfinite(plane), plane, low), low, high)
+        found[met] = np.where(normals.take(triangle[met], axis=1).any(axis=0), there, np.inf)
     return found
 
 
 def _edge_functions(
     corners: Corners, rays: Rays, ray: Int[np.ndarray, " pair"], triangle: Int[np.ndarray, " pair"]
-) -> tuple[Float[np.ndarray, "3 pair"], Float[np.ndarray, "3 pair"]]:
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """The three edge functions of Woop, Benthin and Wald, and the depth of each corner along the ray."""
-    direction, origin = rays.direction[:, ray], rays.origin[:, ray]
+    direction, origin = rays.direction.take(ray, axis=1), rays.origin.take(ray, axis=1)
     axis = np.argmax(np.abs(direction), axis=0)
     pairs = np.arange(ray.size)
     along = direction[axis, pairs]
@@ -78,13 +79,13 @@ def _edge_functions(
     shear_x, shear_y = direction[x, pairs] / along, direction[y, pairs] / along
     px, py, depth = [], [], []
     for corner in corners:
-        offset = corner[:, triangle] - origin
+        offset = corner.take(triangle, axis=1) - origin
         forward = offset[axis, pairs]
         px.append(offset[x, pairs] - shear_x * forward)
         py.append(offset[y, pairs] - shear_y * forward)
         depth.append(dot(offset, direction))
     weights = [px[j] * py[k] - py[j] * px[k] for j, k in ((2, 1), (0, 2), (1, 0))]
-    return np.stack(weights), np.stack(depth)
+    return weights, depth
 
 
 def _plane_depth(
@@ -95,9 +96,9 @@ def _plane_depth(
     triangle: Int[np.ndarray, " pair"],
 ) -> Float[np.ndarray, " pair"]:
     """Signed distance to the plane of a triangle, with compensated dots."""
-    normal = exact(normals[:, triangle])
-    offset = two_sum(corner[:, triangle], -rays.origin[:, ray])
-    return pair_dot(offset, normal)[0] / pair_dot(exact(rays.direction[:, ray]), normal)[0]
+    normal, direction = exact(normals.take(triangle, axis=1)), exact(rays.direction.take(ray, axis=1))
+    offset = two_sum(corner.take(triangle, axis=1), -rays.origin.take(ray, axis=1))
+    return pair_dot(offset, normal)[0] / pair_dot(direction, normal)[0]
 
 
 def barycentric(

@@ -59,6 +59,14 @@ def test_triangles_are_met_as_in_exact_arithmetic():
             assert ulps(found.distance[k], digits(true[1])) <= 50
 
 
+def test_a_ray_through_the_very_middle_of_a_triangle_meets_it():
+    # All three edge functions are equal there.
+    corner = TriangleMesh(np.eye(3), np.array([[0], [1], [2]]), materials=("a",))
+    diagonal = np.full((3, 1), 1 / np.sqrt(3.0))
+    for start, towards in ((np.zeros((3, 1)), diagonal), (3 * diagonal, -diagonal)):
+        assert intersect(corner, rays(start, towards)).primitive[0] == 0
+
+
 def edge_points(mesh, count, generator):
     """Points on edges, and all vertices."""
     faces = mesh.faces[:, generator.integers(0, mesh.faces.shape[1], count)]
