@@ -208,10 +208,13 @@ def test_figure_3_the_lightest_image_has_a_lighter_africa_and_darker_brass(syste
 
 
 def test_6_parameters_are_adjusted_without_rendering_again(scene, palette, envelope, monkeypatch):
+    # The paper: "interactive parameter adjustment without re-rendering"
     system = rt.render(scene, progress=False)
     monkeypatch.setattr("symrt.tracing.tracer.nearest", None)
-    rt.feasible(system, palette, envelope, rt.Scale("key"))
-    rt.shade(system, palette.replace({"key": 0.5 * palette["key"]}))
+    high = rt.feasible(system, palette, envelope, rt.Scale("key"), cap=False).high
+    dimmer = rt.shade(system, palette.replace({"key": high * palette["key"]})).values
+    assert 0 < high < 1
+    assert np.all(dimmer <= rt.shade(system, palette).values)
 
 
 def test_6_a_probe_gives_light_and_material_statistics_before_any_rendering(scene):
