@@ -6,12 +6,14 @@ bounds follow.  *Upper* ones hold in every band.  *Dark* ones, if the gamut keep
 above black with the palette given, because no parameter lifts the shadows that every picture has.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
+from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
@@ -141,6 +143,36 @@ def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Ref
         reference=f"reference {name}, exposure {reference.exposure:g}",
         cut_off=0.0 if left_out is None else float(left_out.max()),
     )
+
+
+def white_in_every_band(
+    system: LinearSystem, palette: Palette, reference: Reference, gamuts: Sequence[ConvexGamut]
+) -> Spectrum:
+    """The radiance that is a reflectance of 1, for gamuts that look at all bands at once.
+
+    Raises
+    ------
+    ValueError
+        If a gamut is on other bands than the palette, or the reference leaves bands dark.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.gamut.inks import load_device
+    >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
+    >>> palette = Palette(load_device("dye3-endura-premier").bands, {"sun": 8})
+    >>> white_in_every_band(system, palette, Reference(exposure=0.5), [])[0].item()
+    4.0
+    """
+    for gamut in gamuts:
+        if gamut.bands != palette.bands:
+            raise ValueError(
+                f"{gamut.name} is on {gamut.bands!r}, the palette on {palette.bands!r}: use the same bands"
+            )
+    white = reference.white(system, palette)
+    if dark := [b for b, w in zip(palette.bands.labels, white, strict=True) if w < INVISIBLE * white.max()]:
+        raise ValueError(f"the reference does not light {', '.join(dark)}: use Reference('equal-energy')")
+    return white / reference.exposure
 
 
 def _dark(

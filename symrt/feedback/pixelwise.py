@@ -13,6 +13,7 @@ from jaxtyping import Float
 from scipy.ndimage import gaussian_filter, minimum_filter
 
 from symrt.feedback.clipping import clip
+from symrt.feedback.limits import white_in_every_band
 from symrt.gamut.interface import ClippingGamut, ConvexGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
@@ -82,7 +83,7 @@ def map_pixels(
     Raises
     ------
     ValueError
-        If the gamut has no grey, or the options do not fit together.
+        If the gamut has no grey, is on other bands, or the options do not fit together.
 
     Examples
     --------
@@ -102,7 +103,7 @@ def map_pixels(
     if not 0 <= smoothness < max(system.height, system.width):
         raise ValueError(f"smoothness = {smoothness}: it must be from 0 to the size of the image, in pixels")
     reference = reference or Reference()
-    white = reference.white(system, palette) / reference.exposure
+    white = white_in_every_band(system, palette, reference, [gamut])
     gamut = cast("Gamut | ClippingGamut", gamut.under(white))
     image = shade(system, palette)
     seen = image.values.reshape(-1, len(white))[system.object_pixels] / white

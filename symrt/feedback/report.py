@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.feedback.limits import INVISIBLE
+from symrt.feedback.limits import white_in_every_band
 from symrt.feedback.parameters import material_of
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.monitor import MonitorGamut
@@ -156,17 +156,10 @@ def report(
     [(1.0, None), (0.5, (1, 0))]
     """
     reference = reference or Reference()
-    white = reference.white(system, palette)
-    if dark := [b for b, w in zip(palette.bands.labels, white, strict=True) if w < INVISIBLE * white.max()]:
-        raise ValueError(f"the reference does not light {', '.join(dark)}: use Reference('equal-energy')")
-    for gamut in gamuts:
-        if gamut.bands != palette.bands:
-            raise ValueError(
-                f"{gamut.name} is on {gamut.bands!r}, the palette on {palette.bands!r}: use the same bands"
-            )
+    white = white_in_every_band(system, palette, reference, gamuts)
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
-    image = _image(system, palette, pixels, reference.exposure / white)
+    image = _image(system, palette, pixels, 1 / white)
     answers = [_answer(gamut.under(white), image) for gamut in gamuts]
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
     verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)

@@ -88,3 +88,14 @@ def test_what_happened_is_said(globe):
     mapped = map_pixels(*globe, device_gamut(load_device("dye3-endura-premier"), "envelope"))
     assert "towards neutral" in repr(mapped)
     assert mapped._repr_png_()[1:4] == b"PNG"
+
+
+def test_a_reference_that_leaves_bands_dark_is_refused_and_never_divided_by(globe, gamut):
+    system, palette = globe
+    dark = palette["key"].copy()
+    dark[:3] = 0
+    with pytest.raises(ValueError, match="does not light 380 nm, 390 nm, 400 nm"):
+        map_pixels(system, palette.replace(key=dark), gamut)
+    other = device_gamut(load_device("dye3-endura-premier", rt.wavelengths(400, 700, 20)), "unit")
+    with pytest.raises(ValueError, match="same bands"):
+        map_pixels(system, palette, other)
