@@ -12,6 +12,7 @@ import numpy as np
 import sympy
 from jaxtyping import Float
 
+from symrt.linear.functions import function_of
 from symrt.reflection.polynomials import Monomial, monomials
 from symrt.reflection.symbols import Factor, Parameter, lobe_values
 from symrt.system import Nodes
@@ -40,14 +41,7 @@ class Compiled:
     @cached_property
     def function(self) -> Callable[..., list[object]]:
         """The coefficients as one NumPy function of the factors, common subexpressions shared."""
-        # Dummies stand for the factors, so that no name of a symbol is ever executed.
-        stand_in = {Factor(name): sympy.Dummy() for name in self.factors}
-        return sympy.lambdify(
-            list(stand_in.values()),
-            [expression.xreplace(stand_in) for expression in self.expressions],
-            modules=[{"Lobe": lobe_values}, "numpy"],
-            cse=True,
-        )
+        return function_of([Factor(name) for name in self.factors], self.expressions, lobe_values, cse=True)
 
     def __getstate__(self) -> dict[str, object]:
         # The function is compiled anew in another process: functions made at run time cannot be sent.

@@ -8,6 +8,7 @@ import numpy as np
 import sympy
 from jaxtyping import Float
 
+from symrt.linear.functions import function_of
 from symrt.linear.printing import python_code, tex, text
 from symrt.linear.terms import tree_expression
 from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance, lobe_value
@@ -79,11 +80,8 @@ class Formula:
         missing = sorted(s.name for s in self.expression.free_symbols - set(leaves))
         if missing:
             raise ValueError(f"no value for {', '.join(missing)}; the formula's spectra are {', '.join(self.symbols)}")
-        stand_in = {leaf: sympy.Dummy() for leaf in leaves}
-        function = sympy.lambdify(
-            list(stand_in.values()), self.expression.xreplace(stand_in), modules=[{"Lobe": lobe_value}, "numpy"]
-        )
-        return function(*leaves.values())
+        (value,) = function_of(leaves, [self.expression], lobe_value)(*leaves.values())
+        return value
 
     def __str__(self) -> str:
         letters = ", ".join(f"{_shown(name, value)}" for name, value in self.values.items())

@@ -10,6 +10,7 @@ import sympy
 from scipy import sparse
 
 from symrt.linear.formulas import Formula
+from symrt.linear.functions import function_of
 from symrt.reflection.symbols import Factor, Light, Reflectance, lobe_value
 from symrt.system import Interaction, LinearSystem
 
@@ -66,12 +67,7 @@ def coefficient_matrix(
 
 def _coefficients(pixel: Formula) -> dict[Interaction, float]:
     form = linear_form(pixel.expression)
-    letters = {Factor(name): sympy.Dummy() for name in pixel.values}
-    function = sympy.lambdify(
-        list(letters.values()),
-        [coefficient.xreplace(letters) for coefficient in form.values()],
-        modules=[{"Lobe": lobe_value}, "numpy"],
-    )
+    function = function_of([Factor(name) for name in pixel.values], list(form.values()), lobe_value)
     values = function(*pixel.values.values())
     return {interaction: float(g) for interaction, g in zip(form, values, strict=True) if g != 0}
 
