@@ -40,7 +40,8 @@ _NAMES = {
     # 1 and 2: trace, collapse, print
     "symrt.tracing": ["RayTree", "plan", "probe", "trace"],
     "symrt.linear": ["Formula", "coefficient_matrix", "collapse", "expressions", "formula", "linear_form", "render"],
-    "symrt.system": ["Interaction", "LinearSystem", "load_system", "save_system"],
+    "symrt.saving": ["load_system", "save_system"],
+    "symrt.system": ["Interaction", "LinearSystem"],
     # 3: shade
     "symrt.spectra": [
         "RGB",

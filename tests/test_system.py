@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-import symrt.system as module
-from symrt.system import Interaction, LinearSystem, Nodes, Tail, load_system, save_system
+import symrt.saving as module
+from symrt.saving import load_system, save_system
+from symrt.system import Interaction, LinearSystem, Nodes, Tail
 
 INTERACTIONS = (
     Interaction("sky", ("sea.diffuse",)),
@@ -36,7 +37,11 @@ def make_system(seed=0, **fields):
             "brass.exponent": Nodes("brass.exponent", 5.0, 80.0, 8),
             "glass.index": Nodes("glass.index", 1.45, 1.6, 4, "linear"),
         },
-        "tail": Tail(sparse.csr_array(rng.random((20, 1))), (Interaction("sun", ("brass.mirror",) * 5),)),
+        "tail": Tail(
+            sparse.csr_array(rng.random((20, 1))),
+            (Interaction("sun", ("brass.mirror",) * 5),),
+            (((("brass.mirror",), 0.1),),),
+        ),
         "seconds": {"trace": 0.1, "collapse": 1 / 3},
     }
     return LinearSystem(**(given | fields))
@@ -48,7 +53,7 @@ def assert_same_bits(one, other):
         assert a.data.tobytes() == b.data.tobytes()
         np.testing.assert_array_equal(a.indices, b.indices)
         np.testing.assert_array_equal(a.indptr, b.indptr)
-    assert one.tail.interactions == other.tail.interactions
+    assert (one.tail.interactions, one.tail.reflected) == (other.tail.interactions, other.tail.reflected)
     for name in ("interactions", "height", "width", "white", "models", "parameters", "seconds"):
         assert getattr(one, name) == getattr(other, name), name
 

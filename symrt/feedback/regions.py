@@ -47,7 +47,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     if mask.shape != (system.height, system.width):
         raise ValueError(f"the mask is {mask.shape}, the image {(system.height, system.width)}: one value a pixel")
     matrix, interactions = _parted(system.G, system.interactions, material, mask.ravel(), name)
-    tail = system.tail and Tail(*_parted(system.tail.bound, system.tail.interactions, material, mask.ravel(), name))
+    tail = system.tail and _parted_tail(system.tail, material, mask.ravel(), name)
     models = dict(system.models)
     if material in models:
         models[name] = models[material]
@@ -86,11 +86,18 @@ def _parted(
     return whole[:, used], tuple(columns[j] for j in used)
 
 
+def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], name: str) -> Tail:
+    own = [shares for shares in tail.reflected if any(_is_seen(s, material) for met, _ in shares for s in met)]
+    region = tuple(tuple((_renamed_met(met, material, name), c) for met, c in shares) for shares in own)
+    return Tail(*_parted(tail.bound, tail.interactions, material, inside, name), tail.reflected + region)
+
+
 def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
-    return replace(
-        interaction,
-        met=tuple(sorted(name + s[len(material) :] if _is_seen(s, material) else s for s in interaction.met)),
-    )
+    return replace(interaction, met=_renamed_met(interaction.met, material, name))
+
+
+def _renamed_met(met: tuple[str, ...], material: str, name: str) -> tuple[str, ...]:
+    return tuple(sorted(name + s[len(material) :] if _is_seen(s, material) else s for s in met))
 
 
 def _is_seen(symbol: str, material: str) -> bool:

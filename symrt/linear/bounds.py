@@ -1,6 +1,7 @@
-"""Upper bounds of a model's formulas, by interval arithmetic: what the depth limit cuts off is bounded with them."""
+"""Bounds of a model's formulas, by interval arithmetic: what the depth limit cuts off is bounded with them (step 2)."""
 
 import functools
+import math
 import operator
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import sympy
 from mpmath import iv
 
-from symrt.reflection.symbols import Lobe, Parameter
+from symrt.reflection.symbols import Kind, Lobe, Parameter
 
 Interval = Any
 """An mpmath interval."""
@@ -18,7 +19,7 @@ LARGEST_POWER = 64
 
 
 def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> float:
-    """An upper bound of `formula` over all reflectances and cosines in [0, 1], and parameters in their `ranges`.
+    """An upper bound of |formula| over all reflectances and cosines in [0, 1], and parameters in their `ranges`.
 
     Infinite where none is known.
 
@@ -28,14 +29,16 @@ def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> f
     >>> round(largest(MODELS["phong_plain"].direct, {"exponent": (60.0, 60.0)}) * 3.14159265, 6)
     2.0
     """
-    return float(_interval(formula, ranges).b)
+    bounds = _interval(formula, ranges)
+    found = max(-float(bounds.a), float(bounds.b))
+    return math.inf if math.isnan(found) else found
 
 
 def _interval(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
-    if isinstance(expression, sympy.Rational):
-        return iv.mpf(int(expression.p)) / iv.mpf(int(expression.q))
-    if expression.is_Atom or isinstance(expression, Lobe):
+    if expression.is_Atom:
         return _atom(expression, ranges)
+    if isinstance(expression, Lobe):
+        return iv.mpf([0, 1 if _interval(expression.args[1], ranges).a >= 0 else "inf"])
     parts = [_interval(part, ranges) for part in expression.args]
     if expression.is_Add:
         return functools.reduce(operator.add, parts)
@@ -47,8 +50,13 @@ def _interval(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]])
 
 
 def _atom(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    if isinstance(expression, sympy.Rational):
+        return iv.mpf(int(expression.p)) / iv.mpf(int(expression.q))
     if isinstance(expression, Parameter):
         return iv.mpf(list(ranges[expression.name]))
     if expression.is_Float:
         return iv.mpf(float(expression))
-    return iv.pi if expression is sympy.pi else iv.mpf([0, 1])
+    if isinstance(expression, sympy.NumberSymbol):
+        value = float(expression)
+        return iv.mpf([math.nextafter(value, -math.inf), math.nextafter(value, math.inf)])
+    return iv.mpf([0, 1]) if isinstance(expression, Kind) else iv.mpf(["-inf", "inf"])

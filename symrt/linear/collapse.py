@@ -99,7 +99,9 @@ def run(program: Program, tree: RayTree) -> LinearSystem:
         white=tree.white,
         models=program.signatures,
         parameters=program.nodes,
-        tail=Tail(*assemble(tail, tree.width * tree.height)),
+        tail=Tail(
+            *assemble(tail, tree.width * tree.height), tuple(program.reflected[name] for name in tree.reflecting)
+        ),
     )
 
 
@@ -162,9 +164,12 @@ def _cut_off(tree: RayTree, program: Program, level: Level, paths: Paths, tail: 
     for points, met, which, path, value in _reflections(program, level, paths):
         pixel = level.sample[points.hit[which]] // tree.samples**2
         for light, everywhere in tree.lights.items():
-            field = "ambient" if everywhere else "direct"
+            brightest = program.brightest["ambient" if everywhere else "direct"]
             columns = [Interaction(light, tuple(sorted(product + met))) for product in paths.products]
-            tail.add(columns, paths.product[path], pixel, value * (program.brightest[field] * tree.irradiance[light]))
+            # Nothing times an unknown irradiance is nothing.
+            present = value != 0 if brightest else np.zeros(value.size, dtype=bool)
+            unseen = np.abs(value[present]) * (brightest * tree.irradiance[light])
+            tail.add(columns, paths.product[path[present]], pixel[present], unseen)
 
 
 def _reflections(

@@ -8,7 +8,8 @@ import numpy as np
 from symrt.linear.bounds import largest
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.reflection.nodes import choose_nodes
-from symrt.system import Nodes
+from symrt.reflection.polynomials import monomials
+from symrt.system import Nodes, Shares
 from symrt.tracing.raytree import MaterialRecord
 
 Values = Mapping[str, float | int]
@@ -28,12 +29,15 @@ class Program:
         Of the parameters that stayed free.
     brightest
         Upper bounds of the materials' ``direct`` and ``ambient`` formulas.
+    reflected
+        For each material the terms of what it reflects, with the largest coefficients there can be.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
     signatures: Mapping[str, str]
     nodes: Mapping[str, Nodes]
     brightest: Mapping[str, float]
+    reflected: Mapping[str, Shares]
 
 
 def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
@@ -48,13 +52,13 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
     """
     materials = with_values(materials, values or {})
     nodes = _nodes(materials, free)
-    # An alternative, sea>ice, is a second way to look at a material that is already counted.
     own = {name: record for name, record in materials.items() if ">" not in name}
     return Program(
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
-        brightest={field: _brightest(field, own, nodes) for field in ("direct", "ambient")},
+        brightest={field: _brightest(field, materials, nodes) for field in ("direct", "ambient")},
+        reflected=_reflected(materials, nodes),
     )
 
 
@@ -94,12 +98,32 @@ def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
 
 
 def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> float:
-    bounds = [0.0]
+    """The most that a point sends on, its alternatives added: sea and sea>ice are evaluated at the same points."""
+    bounds: dict[str, float] = {}
     for name, record in materials.items():
-        ranges = {key: (value, value) for key, value in record.parameters.items()}
-        ranges |= {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := f"{name}.{k}") in nodes}
-        bounds.append(largest(record.model.formulas[field], ranges))
-    return max(bounds)
+        bound = largest(record.model.formulas[field], _ranges(name, record, nodes))
+        bounds[_place(name)] = bounds.get(_place(name), 0.0) + bound
+    return max(bounds.values(), default=0.0)
+
+
+def _reflected(materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, Shares]:
+    shares: dict[str, Shares] = {}
+    for name, record in materials.items():
+        ranges = _ranges(name, record, nodes)
+        terms = monomials(record.model.reflected).items()
+        own = tuple((tuple(f"{name}.{component}" for component in met), largest(c, ranges)) for met, c in terms)
+        shares[_place(name)] = shares.get(_place(name), ()) + own
+    return shares
+
+
+def _place(name: str) -> str:
+    """Whose points a material is evaluated at: ``sea``, for the alternative ``sea>ice``."""
+    return name.partition(">")[0]
+
+
+def _ranges(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, tuple[float, float]]:
+    ranges = {key: (value, value) for key, value in record.parameters.items()}
+    return ranges | {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := f"{_owner(name)}.{k}") in nodes}
 
 
 def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, Compiled]:

@@ -23,7 +23,8 @@ from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.resume import Tiles, open_tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem, Tail
-from symrt.tracing.stage import Alternatives, Stage, make_stage
+from symrt.tracing.plan import Alternatives
+from symrt.tracing.stage import Stage, make_stage
 from symrt.tracing.tracer import trace_window
 
 __all__ = ["render"]
@@ -135,7 +136,7 @@ def _merge(stage: Stage, program: Program, windows: list[Window], parts: list[Li
         white=stage.white,
         models=program.signatures,
         parameters=program.nodes,
-        tail=Tail(bound, cut),
+        tail=Tail(bound, cut, parts[0].tail.reflected if parts[0].tail else ()),
         seconds={step: sum(part.seconds[step] for part in parts) for step in ("trace", "collapse")},
     )
 

@@ -27,7 +27,8 @@ class SpectralImage:
         coordinates.
     cut_off
         For each band, a bound on what the depth limit left out of any pixel; infinite where there is no certificate,
-        because some mirror reflects everything; None if nothing was cut off.
+        because a material may reflect everything, a reflectance passes 1 or a light's irradiance is unknown; None if
+        nothing was cut off.
     seconds
         Time that shading took.
     """
@@ -53,7 +54,9 @@ class SpectralImage:
         if self.cut_off is None:
             return "nothing cut off"
         if unbounded := int(np.isinf(self.cut_off).sum()):
-            return f"no certificate of the depth limit in {unbounded} bands: a mirror reflects everything"
+            return f"no certificate of the depth limit in {unbounded} bands: what is left has no bound"
+        if not self.cut_off.any():
+            return "nothing cut off"
         return f"radiance of at most {self.cut_off.max():.2g} cut off"
 
     def _repr_png_(self) -> bytes | None:

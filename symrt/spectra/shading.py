@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Bool, Float, UInt8
 from scipy import sparse
 
 from symrt.arrays import Spectrum
@@ -138,13 +138,18 @@ def node_weights(system: LinearSystem, parameters: Mapping[str, Number]) -> Floa
 
 
 def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
-    """An upper bound, for each band, on what the depth limit cut off from any pixel; rounded up."""
+    """An upper bound, for each band, on what the depth limit cut off from any pixel; rounded up.
+
+    It is infinite where a material may reflect everything, a reflectance passes 1, or a light's irradiance is unknown.
+    """
     spectra = gamma(tail.interactions, palette)
-    mirrors = {name for i in tail.interactions for name in i.met if name.endswith(".mirror")}
-    largest = np.max([palette[name] for name in sorted(mirrors)], axis=0, initial=0.0)
+    largest = _most_reflected(tail, palette)
     # Most pixels see no mirror: their empty rows are left out.
     ends = tail.bound.indptr[1:][np.diff(tail.bound.indptr) > 0]
-    rows = (tail.bound.data, tail.bound.indices, np.append(0, ends))
+    known = np.isfinite(tail.bound.data)
+    reached = _reached(tail, palette)
+    unknown = reached[np.unique(tail.bound.indices[~known])].any(axis=0)
+    rows = (np.where(known, tail.bound.data, 0.0), tail.bound.indices, np.append(0, ends))
     lit = sparse.csr_array(rows, (len(ends), len(spectra)))
     first = np.zeros(len(palette.bands))
     for block in _row_blocks(lit, ROWS // 8):
@@ -152,8 +157,33 @@ def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
     first *= 1 + 1e-12
     remaining = np.where(largest < 1, 1 - largest, 1.0)
     # Products may underflow: a bound that is not zero stays so.
-    bound = np.nextafter(first / remaining, np.inf)
-    return np.where((largest >= 1) & (first > 0), np.inf, bound if len(ends) else first)
+    some = reached.any(axis=0)
+    bound = np.where(some, np.nextafter(first / remaining, np.inf), 0.0)
+    return np.where(unknown | ((largest >= 1) & some), np.inf, bound)
+
+
+def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
+    """Whether any light is left in a column: no factor is zero, however small the product."""
+    names = [{i.light, *i.met} for i in tail.interactions]
+    left = [np.all([_known(name, palette) > 0 for name in factors], axis=0) for factors in names]
+    return np.array(left, dtype=bool).reshape(len(left), len(palette.bands))
+
+
+def _most_reflected(tail: Tail, palette: Palette) -> Spectrum:
+    """The largest share of light that any material reflects; at least 1 where none is known."""
+    whole = np.ones(len(palette.bands))
+    shares = [
+        sum((c * np.prod([whole, *(_known(name, palette) for name in met)], axis=0) for met, c in terms), 0 * whole)
+        for terms in tail.reflected
+    ]
+    # The bounds of what surfaces send on hold for reflectances up to 1.
+    passing = [np.where(palette[name] > 1, np.inf, 0.0) for name in palette.above_one]
+    return np.max([*(shares or [whole]), *passing], axis=0)
+
+
+def _known(name: str, palette: Palette) -> Spectrum:
+    """A reflectance; of a material that no pixel shows it may be anything, of an alternative it is zero."""
+    return palette[name] if name in palette else np.full(len(palette.bands), 0.0 if ">" in name else 1.0)
 
 
 def preview(

@@ -1,12 +1,15 @@
 """Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from symrt.scene.lights import AmbientLight, Light
 from symrt.scene.records import Scene
 
-__all__ = ["Effect", "Plan", "direct_lights", "plan"]
+__all__ = ["Alternatives", "Effect", "Plan", "direct_lights", "mirroring", "plan"]
+
+Alternatives = Mapping[str, Sequence[str]]
+"""For a material, others that may take its place."""
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
@@ -60,8 +63,8 @@ class Plan:
         return f"<table><tr>{''.join(f'<th>{cell}</th>' for cell in HEAD)}</tr>{''.join(rows)}</table>"
 
 
-def plan(scene: Scene) -> Plan:
-    """The effects that `scene` calls for, and why the others are left out.
+def plan(scene: Scene, alternatives: Alternatives | None = None) -> Plan:
+    """The effects that `scene`, traced with these `alternatives`, calls for, and why the others are left out.
 
     Examples
     --------
@@ -74,35 +77,32 @@ def plan(scene: Scene) -> Plan:
     textures       left out   no surface has one               none
     supersampling  left out   the pixel's centre is asked for  none
     """
-    materials, textures = used(scene)
-    mirrors = tuple(m.name for m in scene.materials if m.name in materials and m.reflection.mirrors)
+    mirrors = mirroring(scene, alternatives or {})
     casting = tuple(light.name for light in direct_lights(scene.lights) if light.shadows)
     ambient = tuple(light.name for light in scene.lights if isinstance(light, AmbientLight))
     n, pixels = scene.camera.samples, scene.camera.width * scene.camera.height
     supersampled = (f"camera.samples = {n}",) if n > 1 else ()
+    unshadowed = "there is no shape" if casting else "no light casts any"
+    unmirrored = "the depth is 0" if mirrors else "no material mirrors"
     return Plan(
         (
-            Effect("shadows", casting if scene.shapes else (), "no light casts any", f"{len(casting)} a hit"),
-            Effect("mirrors", mirrors if scene.depth else (), "no material mirrors", f"{scene.depth} a sample"),
+            Effect("shadows", casting if scene.shapes else (), unshadowed, f"{len(casting)} a hit"),
+            Effect("mirrors", mirrors if scene.depth else (), unmirrored, f"{scene.depth} a sample"),
             Effect("ambient", ambient, "no light is ambient", "none"),
-            Effect("textures", tuple(sorted(textures)), "no surface has one", "none"),
+            Effect("textures", tuple(sorted(scene.used_textures)), "no surface has one", "none"),
             Effect("supersampling", supersampled, "the pixel's centre is asked for", f"{pixels * n * n}"),
         )
     )
 
 
-def used(scene: Scene) -> tuple[frozenset[str], frozenset[str]]:
-    """Names of the materials and of the textures that some shape is made of."""
-    named = {name for shape in scene.shapes for name in _names(shape.material)}
-    textures = {texture.name: texture for texture in scene.textures if texture.name in named}
-    within = {name for texture in textures.values() for name in texture.materials}
-    return frozenset((named | within) - set(textures)), frozenset(textures)
+def mirroring(scene: Scene, alternatives: Alternatives) -> tuple[str, ...]:
+    """Names of the materials that mirror and that some shape is made of; ``sea>ice`` where only an alternative does."""
+    mirrors = {m.name for m in scene.materials if m.reflection.mirrors}
+    used = [m.name for m in scene.materials if m.name in scene.used_materials]
+    others = (f"{name}>{other}" for name in used for other in alternatives.get(name, ()) if other in mirrors)
+    return (*(name for name in used if name in mirrors), *others)
 
 
 def direct_lights(lights: Iterable[Light | AmbientLight]) -> list[Light]:
     """The lights that come from somewhere; ambient light comes from everywhere, unshadowed."""
     return [light for light in lights if not isinstance(light, AmbientLight)]
-
-
-def _names(material: str | Mapping[str, str]) -> tuple[str, ...]:
-    return tuple(material.values()) if isinstance(material, Mapping) else (material,)

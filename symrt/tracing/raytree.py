@@ -120,6 +120,8 @@ class RayTree:
     irradiance
         For each light, the most that any surface can receive per unit of its symbol: it bounds what the depth limit
         cuts off.
+    reflecting
+        Materials of surfaces that mirror, whether or not a ray met them.
     rays
         Rays cast, by effect.
     """
@@ -132,6 +134,7 @@ class RayTree:
     white: Mapping[str, float]
     irradiance: Mapping[str, float]
     depth: int
+    reflecting: tuple[str, ...] = ()
     rays: Mapping[str, int] = field(default_factory=dict)
     seconds: float = 0.0
 

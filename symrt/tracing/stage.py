@@ -1,6 +1,6 @@
 """A scene made ready for rays: files read, everything moved to the camera, models bound to materials (step 1)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +11,8 @@ from symrt.geometry.rays import clearance, encloses, translate
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import AmbientLight, DirectionalLight, Light, PointLight, moved, white
 from symrt.scene.records import Scene
-from symrt.tracing.plan import Plan, plan
+from symrt.tracing.plan import Alternatives, Plan, mirroring, plan
 from symrt.tracing.raytree import MaterialRecord
-
-Alternatives = Mapping[str, Sequence[str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +30,8 @@ class Stage:
         For each material, others whose formulas are also evaluated at its points.
     irradiance
         For each light, an upper bound on the irradiance it gives any surface, per unit of its symbol.
+    reflecting
+        Materials of surfaces that mirror, by themselves or as an alternative.
     """
 
     camera: Camera
@@ -45,6 +45,7 @@ class Stage:
     white: Mapping[str, float]
     irradiance: Mapping[str, float]
     depth: int
+    reflecting: tuple[str, ...]
     plan: Plan
 
 
@@ -53,6 +54,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
     """
+    alternatives = _checked(scene, alternatives or {})
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
     shapes = tuple(translate(_load(shape, scene), np.array(by)) for shape in scene.shapes)
@@ -65,14 +67,29 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         slots=slots,
         first_slot=first,
         textures={texture.name: load_texture(texture, scene.folder) for texture in scene.textures},
-        materials=_materials(scene, alternatives or {}),
-        alternatives=dict(alternatives or {}),
+        materials=_materials(scene, alternatives),
+        alternatives=alternatives,
         lights=lights,
         white={light.name: white(light, camera.target) for light in lights},
         irradiance={light.name: _brightest(light, shapes) for light in lights},
         depth=scene.depth,
-        plan=plan(scene),
+        reflecting=tuple(dict.fromkeys(name.partition(">")[0] for name in mirroring(scene, alternatives))),
+        plan=plan(scene, alternatives),
     )
+
+
+def _checked(scene: Scene, alternatives: Alternatives) -> Alternatives:
+    """The alternatives, each one once; every name is a material's."""
+    known = [m.name for m in scene.materials]
+    for material, others in alternatives.items():
+        if isinstance(others, str):
+            raise ValueError(  # noqa: TRY004 -- a bad argument is a bad value
+                f"alternatives: {others!r} stands for {material!r}: give a list of names, [{others!r}]"
+            )
+        for name in (material, *others):
+            if name not in known:
+                raise ValueError(f"alternatives: there is no material {name!r}; the scene has {', '.join(known)}")
+    return {material: tuple(dict.fromkeys(others)) for material, others in alternatives.items()}
 
 
 def _load(shape: object, scene: Scene) -> object:
@@ -98,10 +115,6 @@ def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
 
 def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRecord]:
     named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
-    for material, others in alternatives.items():
-        for name in (material, *others):
-            if name not in named:
-                raise ValueError(f"alternatives: there is no material {name!r}; the scene has {', '.join(named)}")
     return named | {f"{m}>{other}": named[other] for m, others in alternatives.items() for other in others}
 
 
@@ -111,4 +124,4 @@ def _brightest(light: Light | AmbientLight, shapes: tuple[object, ...]) -> float
     if not isinstance(light, PointLight):
         return float("inf")
     nearest = min((clearance(shape, np.array(light.position)) for shape in shapes), default=float("inf"))
-    return 1 / nearest**2 if nearest > 0 else float("inf")
+    return 1 / nearest / nearest if nearest > 0 else float("inf")

@@ -18,9 +18,10 @@ from symrt.scene.cameras import Window, camera_rays
 from symrt.scene.lights import AmbientLight
 from symrt.scene.records import Scene
 from symrt.tracing.mirrors import mirrored
+from symrt.tracing.plan import Alternatives
 from symrt.tracing.points import points
 from symrt.tracing.raytree import Level, RayTree
-from symrt.tracing.stage import Alternatives, Stage, make_stage
+from symrt.tracing.stage import Stage, make_stage
 from symrt.tracing.view import look, select_hits, select_rays
 
 __all__ = ["trace", "trace_window"]
@@ -63,6 +64,7 @@ def trace_window(stage: Stage, window: Box | None = None) -> RayTree:
         white=stage.white,
         irradiance=stage.irradiance,
         depth=stage.depth,
+        reflecting=stage.reflecting,
         rays=dict(count),
         seconds=time.perf_counter() - start,
     )

@@ -187,7 +187,7 @@ def test_bands_that_the_reference_does_not_light_are_left_out_and_named():
 def test_what_the_depth_limit_left_out_is_said():
     # A last mirror of reflectance 0.5 would add at most 0.01 · 2 · 0.5 / (1 − 0.5) of radiance, on a white of 1.
     columns = (Interaction("key", ("a.mirror",)),)
-    tail = Tail(sparse.csr_array([[0.01]]), columns)
+    tail = Tail(sparse.csr_array([[0.01]]), columns, (((("a.mirror",), 1.0),),))
     image = LinearSystem(sparse.csr_array([[0.1]]), columns, 1, 1, {"key": 0.5}, tail=tail)
     found = feasible(image, Palette(BANDS, {"key": 2.0, "a.mirror": 0.5}), UNIT, Scale("key"))
     assert "the depth limit left out at most 0.02 of a pixel" in found.note

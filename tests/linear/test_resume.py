@@ -13,6 +13,7 @@ import pytest
 from scenes_for_tests import SCENES, hall_of_mirrors, small, two_materials
 
 import symrt as rt
+from symrt.linear.resume import described
 
 
 @pytest.fixture(autouse=True)
@@ -75,3 +76,7 @@ def test_a_killed_render_resumes(tmp_path):
     assert 5 <= len(list(folder.glob("tile-*.npz"))) < 100
     scene = small("globe", 100)
     assert same_bits(rt.render(scene, save=folder, progress=False), rt.render(scene, progress=False))
+
+
+def test_a_whole_number_of_numpys_is_the_same_whole_number():
+    assert list(described(np.int64(3))) == list(described(3))

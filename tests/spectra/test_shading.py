@@ -198,7 +198,7 @@ def test_the_certificate_bounds_what_more_bounces_would_have_added():
     # A pixel between two parallel mirrors: Σ_k L m^k; a render of depth d keeps k <= d, the tail is Σ_{k>d}.
     mirror, light, depth = np.array([0.0, 0.5, 0.9]), np.array([1.0, 2.0, 3.0]), 4
     cut = Interaction("sun", ("wall.mirror",) * (depth + 1))
-    tail = Tail(sparse.csr_array(np.array([[0.0], [1.0]])), (cut,))
+    tail = Tail(sparse.csr_array(np.array([[0.0], [1.0]])), (cut,), (((("wall.mirror",), 1.0),),))
     bound = tail_bound(tail, Palette(RGB, {"sun": light, "wall.mirror": mirror}))
     truth = [Fraction(L) * Fraction(m) ** (depth + 1) / (1 - Fraction(m)) for L, m in zip(light, mirror, strict=True)]
     for b, exact in zip(bound, truth, strict=True):
@@ -208,13 +208,15 @@ def test_the_certificate_bounds_what_more_bounces_would_have_added():
 
 def test_what_three_hundred_mirrors_leave_is_never_certified_as_nothing():
     # 0.05 ** 301 is below the smallest float64.
-    tail = Tail(sparse.csr_array(np.ones((1, 1))), (Interaction("sun", ("wall.mirror",) * 301),))
+    cut = Interaction("sun", ("wall.mirror",) * 301)
+    tail = Tail(sparse.csr_array(np.ones((1, 1))), (cut,), (((("wall.mirror",), 1.0),),))
     assert tail_bound(tail, Palette(RGB, {"sun": 1.0, "wall.mirror": 0.05})).min() > 0
     assert not tail_bound(Tail(sparse.csr_array((1, 0))), Palette(RGB, {"sun": 1.0})).any()
 
 
 def test_a_perfect_mirror_has_no_certificate():
-    tail = Tail(sparse.csr_array(np.ones((20, 1))), (Interaction("sun", ("brass.mirror",)),))
+    cut = Interaction("sun", ("brass.mirror",))
+    tail = Tail(sparse.csr_array(np.ones((20, 1))), (cut,), (((("brass.mirror",), 1.0),),))
     system, palette = make_system(tail=tail), make_palette().replace({"brass.mirror": 1.0})
     image = shade(system, palette)
     assert np.isinf(image.cut_off).all()
@@ -224,7 +226,8 @@ def test_a_perfect_mirror_has_no_certificate():
 
 
 def test_a_bound_in_a_basis_bounds_every_coordinate():
-    tail = Tail(sparse.csr_array(np.ones((20, 1))), (Interaction("sun", ("brass.mirror",)),))
+    cut = Interaction("sun", ("brass.mirror",))
+    tail = Tail(sparse.csr_array(np.ones((20, 1))), (cut,), (((("brass.mirror",), 1.0),),))
     system, palette = make_system(tail=tail), make_palette().replace({"brass.mirror": 0.5})
     vectors = np.linalg.qr(np.random.default_rng(6).standard_normal((36, 4)))[0].T
     limit = shade(system, palette).cut_off

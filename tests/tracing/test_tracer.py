@@ -4,9 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+import sympy
 from scenes_for_tests import SCENES, camera, every_scene, hall_of_mirrors, mirrors, small, two_materials
+from sympy import pi
 
 import symrt as rt
+from symrt.reflection import diffuse, mirror, n_dot_l, n_dot_v, reflectance
 from symrt.reflection.symbols import GEOMETRY
 from symrt.tracing.factors import factors, reflect
 
@@ -101,6 +104,24 @@ def test_a_light_of_ones_own_is_a_light():
     np.testing.assert_array_equal(system.G[:, [column]].toarray()[inside], point.G[:, [column]].toarray()[inside])
 
 
+def test_a_light_of_ones_own_has_no_certificate_and_can_be_saved(tmp_path):
+    hall = replace(hall_of_mirrors(1), lights=[Spotlight("spot", (0, 1, -0.5))])
+    system = rt.render(hall, progress=False)
+    rt.save_system(tmp_path / "hall.npz", system)
+    palette = rt.Palette(rt.RGB, {s: 0.5 if "." in s else [1.0, 1.0, 0.0] for s in hall.symbols})
+    for one in (system, rt.load_system(tmp_path / "hall.npz")):
+        image = rt.shade(one, palette)
+        assert image.cut_off.tolist() == [np.inf, np.inf, 0.0]
+        assert "no certificate" in image.certificate
+
+
+def test_triangles_given_as_arrays_are_a_shape():
+    corners = np.array([[-1.0, 1.0, 0.0], [-1.0, -1.0, 1.0], [0.0, 0.0, 0.0]])
+    triangle = rt.TriangleMesh(corners, np.array([[0], [1], [2]]), ("dull",))
+    scene = replace(two_materials(exponent=20), shapes=[triangle])
+    assert rt.render(scene, progress=False).object_pixels.any()
+
+
 def test_white_is_a_perfect_diffuser_at_the_target():
     system = rt.collapse(rt.trace(hall_of_mirrors(0)))
     # E/π with E = 1/d² for the point light, L for the ambient one; d from (0, 1, 0.5) to the target (0, 0, −1).
@@ -118,6 +139,85 @@ def test_what_the_depth_limit_cuts_off_is_within_its_certificate(depth):
     assert missing.max() > 0
     assert np.all(missing >= -1e-15)
     assert np.all(missing.max(axis=(0, 1)) <= image.cut_off)
+
+
+def hall_of(model, depth: int, **changes) -> rt.Scene:
+    return replace(
+        hall_of_mirrors(depth), materials=[rt.Material(name, model=model) for name in ("front", "back")], **changes
+    )
+
+
+PAINT = {"direct": diffuse * n_dot_l / pi, "ambient": diffuse}
+AWAY = (1 - n_dot_v) ** 5
+
+
+@pytest.mark.parametrize("reflectances", [0.6, 0.95])
+@pytest.mark.parametrize(
+    "model",
+    [
+        rt.Model(**PAINT, reflected=reflectance("f0")),
+        rt.Model(**PAINT, reflected=0.6),
+        rt.Model(**PAINT, reflected=AWAY + (1 - AWAY) * reflectance("f0")),
+        rt.Model(**PAINT, reflected=mirror / 4 + mirror * reflectance("coat") / 2),
+        rt.Model(**PAINT, reflected=mirror * 3 / 2),
+        rt.Model(**PAINT, reflected=-mirror),
+        rt.Model(**(PAINT | {"direct": sympy.E**2 * diffuse * n_dot_l}), reflected=mirror),
+        rt.Model(direct=sympy.E * diffuse * n_dot_l, reflected=mirror),
+    ],
+    ids=str,
+)
+def test_a_certificate_holds_for_models_of_ones_own(model, reflectances):
+    cut, deep = (rt.collapse(rt.trace(hall_of(model, d))) for d in (1, 9))
+    names = {*deep.symbols, *deep.lights}
+    palette = rt.Palette(bands=rt.RGB, spectra={s: reflectances if "." in s else 1.0 for s in names})
+    image = rt.shade(cut, palette)
+    missing = np.abs(rt.shade(deep, palette).values - image.values).max()
+    assert missing > 0
+    assert np.all(missing <= image.cut_off)
+
+
+def test_what_passes_one_has_no_certificate():
+    scene = hall_of_mirrors(1)
+    system = rt.collapse(rt.trace(scene))
+    palette = rt.Palette(rt.RGB, {s: 0.5 if "." in s else 1.0 for s in scene.symbols}, unphysical=True)
+    image = rt.shade(system, palette.replace({"front.diffuse": [0.5, 1.0, 3.0]}))
+    assert np.isfinite(image.cut_off).tolist() == [True, True, False]
+
+
+def test_an_alternative_that_mirrors_is_followed():
+    base = mirrors(model="lambert")
+    scene = replace(base, materials=[*base.materials, rt.Material("chrome", model="mirror")])
+    swapped = replace(base, materials=[rt.Material("ball", model="mirror"), rt.Material("floor")])
+    assert "mirrors" not in rt.plan(scene)
+    assert "mirrors" in rt.plan(scene, alternatives={"ball": ["chrome"]})
+    both = rt.render(scene, alternatives={"ball": ["chrome"]}, progress=False)
+    alone = rt.render(swapped, progress=False)
+    for light in both.lights:
+        seen = both.G[:, [[str(i) for i in both.interactions].index(f"{light}*ball>chrome.mirror*floor.diffuse")]]
+        other = alone.G[:, [[str(i) for i in alone.interactions].index(f"{light}*ball.mirror*floor.diffuse")]]
+        assert seen.nnz > 0
+        np.testing.assert_array_equal(seen.toarray(), other.toarray())
+
+
+def test_the_certificate_counts_an_alternatives_mirror_once_the_palette_names_it():
+    scene = mirrors(model="mirror", depth=1)
+    system = rt.render(scene, alternatives={"floor": ["ball"]}, progress=False)
+    palette = rt.Palette(rt.RGB, {"sun": 1, "sky": 1, "ball.mirror": 0.5, "floor.diffuse": 0.5})
+    assert rt.shade(system, palette).certificate == "nothing cut off"
+    mixed = rt.shade(system, palette.add({"floor>ball.mirror": 0.5}))
+    assert np.all((mixed.cut_off > 0) & np.isfinite(mixed.cut_off))
+
+
+def test_an_alternative_named_twice_counts_once_and_names_come_in_a_list():
+    scene = two_materials(exponent=20)
+    once, twice = (rt.collapse(rt.trace(scene, alternatives={"dull": n})) for n in (["shiny"], ["shiny"] * 2))
+    assert np.array_equal(once.G.toarray(), twice.G.toarray())
+    with pytest.raises(ValueError, match="give a list of names"):
+        rt.trace(scene, alternatives={"dull": "shiny"})
+
+
+def test_a_plan_says_why_mirrors_at_depth_0_are_left_out():
+    assert "the depth is 0" in str(rt.plan(mirrors(model="mirror", depth=0)))
 
 
 def test_depth_300_between_mirrors_loses_nothing_silently():
