@@ -44,7 +44,8 @@ class _Python(PythonCodePrinter):
 
     def _print_Lobe(self, expr: sympy.Expr) -> str:  # noqa: N802 -- SymPy's name for it
         one_minus, exponent = (self.doprint(part) for part in expr.args)
-        return f"math.exp({exponent}*math.log1p(-{one_minus}))"
+        # Where the cosine is 0 its logarithm is not a number; 0.0**0 is 1, as it must be.
+        return f"(math.exp({exponent}*math.log1p(-{one_minus})) if {one_minus} < 1 else 0.0**({exponent}))"
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]

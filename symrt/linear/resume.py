@@ -88,8 +88,10 @@ def described(thing: object) -> Iterator[bytes]:
         yield f"{thing.dtype}{thing.shape};".encode() + np.ascontiguousarray(thing).tobytes()
     elif isinstance(thing, float | np.floating):
         yield f"{float(thing).hex()};".encode()
-    elif thing is None or isinstance(thing, str | bool | int | np.integer | Path):
-        yield f"{str(thing) if isinstance(thing, Path | np.integer) else thing!r};".encode()
+    elif isinstance(thing, np.integer):
+        yield from described(int(thing))
+    elif thing is None or isinstance(thing, str | bool | int | Path):
+        yield f"{str(thing) if isinstance(thing, Path) else thing!r};".encode()
     else:
         yield f"{type(thing).__name__}[".encode()
         for part in _parts(thing):

@@ -72,6 +72,27 @@ def test_python_code_runs_and_gives_the_pixel():
             assert namespace["radiance"](*arguments) == pytest.approx(formula.evaluate(spectra), rel=1e-13)
 
 
+@pytest.mark.parametrize("name", every_scene())
+def test_python_code_gives_every_lit_pixel(name):
+    # Away from a highlight the cosine of a lobe is 0, and has no logarithm.
+    tree = rt.trace(small(name, 24))
+    system = rt.collapse(tree)
+    for pixel in some_pixels(system, 60):
+        y, x = divmod(int(pixel), 24)
+        for formula in (rt.formula(tree, x, y), rt.formula(system, x, y)):
+            namespace: dict = {}
+            exec(formula.code(), namespace)
+            ones = [1.0] * len(formula.symbols)
+            assert namespace["pixel"](*ones) == pytest.approx(system.G[[pixel], :].sum(), rel=1e-13)
+
+
+@pytest.mark.parametrize("exponent", [0, 1])
+def test_a_cosine_of_0_has_powers_in_code(exponent):
+    namespace: dict = {}
+    exec(Formula(Light("sun") * lobe(r_dot_v, exponent), {"one_minus_r_dot_v": 1.0}).code(), namespace)
+    assert namespace["pixel"](2.0) == 2.0 * 0.0**exponent
+
+
 def test_floats_stay_whole_in_code_and_lose_digits_in_text_only():
     third = Formula(sympy.Float(1 / 3) * Light("sun") * Reflectance("sea.diffuse"))
     assert repr(1 / 3) in third.code()
