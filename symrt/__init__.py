@@ -71,6 +71,7 @@ _NAMES = {
         "fit",
         "map_pixels",
         "report",
+        "safe_box",
         "split",
         "with_region",
     ],

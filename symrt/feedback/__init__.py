@@ -1,6 +1,8 @@
 """Step 5: what the gamut says about the parameters."""
 
+from symrt.feedback.boxes import SafeBox
 from symrt.feedback.clipping import Interval, clip
+from symrt.feedback.freedom import safe_box
 from symrt.feedback.mapping import fit
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.pixelwise import Mapped, map_pixels
@@ -18,6 +20,7 @@ __all__ = [
     "Mapped",
     "Reason",
     "Report",
+    "SafeBox",
     "Scale",
     "Verdict",
     "clip",
@@ -25,6 +28,7 @@ __all__ = [
     "fit",
     "map_pixels",
     "report",
+    "safe_box",
     "split",
     "with_region",
 ]

@@ -14,7 +14,7 @@ from symrt.arrays import Spectrum
 from symrt.feedback.parameters import component_of
 from symrt.spectra.palette import Palette, is_reflectance
 
-__all__ = ["UNLIMITED", "Cap", "above_one", "physical_cap"]
+__all__ = ["UNLIMITED", "Cap", "above_one", "grouped", "physical_cap"]
 
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 INWARD = 1 - 2.0**-50
@@ -44,7 +44,7 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
     (1.25, 'brass', 'red')
     """
     caps = []
-    for name, symbols in _groups(palette).items():
+    for name, symbols in grouped(palette).items():
         rising = sum((palette[s] for s in symbols if s in moved), np.zeros(len(palette.bands)))
         rest = sum((palette[s] for s in symbols if s not in moved), np.zeros(len(palette.bands)))
         if rising.any():
@@ -66,11 +66,11 @@ def above_one(palette: Palette, moved: Collection[str] | None = None) -> tuple[s
     """
     # Three roundings at most: a sum that is 1 in decimals is not above it.
     most = 1 + 2.0**-50
-    groups = {n: g for n, g in _groups(palette).items() if moved is None or not set(g).isdisjoint(moved)}
+    groups = {n: g for n, g in grouped(palette).items() if moved is None or not set(g).isdisjoint(moved)}
     return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > most)
 
 
-def _groups(palette: Palette) -> Mapping[str, list[str]]:
+def grouped(palette: Palette) -> Mapping[str, list[str]]:
     """Symbols whose reflectances count together, by the name of their material; single ones by their own."""
     groups = defaultdict(list)
     for symbol in sorted(name for name in palette if is_reflectance(name)):

@@ -26,7 +26,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
 
-__all__ = ["Filled", "Task", "darkest", "lightest"]
+__all__ = ["Filled", "Task", "darkest", "first_limits", "lightest", "lit"]
 
 Pixels = Int[np.ndarray, " _"]
 NEARLY = 1e-9
@@ -83,7 +83,7 @@ def lightest(task: Task) -> Filled:
     low, high = task.within
     values: dict[str, float] = {}
     reasons: dict[str, Reason] = {}
-    rows, unfixable, level = _first_limits(task)
+    rows, unfixable, level = first_limits(task)
     while free := frozenset(task.symbols).difference(values):
         line = task.line(values, free)
         bound = task.asked.upper
@@ -106,7 +106,7 @@ def lightest(task: Task) -> Filled:
     return Filled(values, reasons, unfixable)
 
 
-def _first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
+def first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
     """Pixels that may bind, those that no common scale brings inside, and the level to start at."""
     line = task.line({}, frozenset(task.symbols))
     bound, touched = task.asked.upper, np.flatnonzero(line.touched)
@@ -123,7 +123,7 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
             values=dict.fromkeys(task.symbols, low),
             reasons=dict.fromkeys(task.symbols, Reason("range")),
         )
-    rows, budget = _lit(task, task.asked.dark, first.values, allowed_dark)
+    rows, budget = lit(task, task.asked.dark, first.values, allowed_dark)
     values, reasons = dict(first.values), dict[str, Reason]()
     level = max(values.values())
     while free := frozenset(task.symbols).difference(reasons):
@@ -149,7 +149,7 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
     return replace(first, values=values, reasons=reasons, lit=rows)
 
 
-def _lit(task: Task, bound: Bound, start: Mapping[str, float], allowed: Number) -> tuple[Pixels, int]:
+def lit(task: Task, bound: Bound, start: Mapping[str, float], allowed: Number) -> tuple[Pixels, int]:
     """Pixels above black both with the palette given and at the start, and how many of them may go dark."""
     given, first = task.line({}, frozenset()), task.line(start, frozenset())
     objects = np.flatnonzero(task.system.object_pixels)

@@ -25,7 +25,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["fit"]
+__all__ = ["certify", "fit", "task_of"]
 
 Pixels = Int[np.ndarray, " _"]
 Objective = Literal["lightest", "darkest"]
@@ -88,7 +88,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
-    task = _task(system, palette, limits(system, palette, gamut, reference), scales, within, cap)
+    task = task_of(system, palette, limits(system, palette, gamut, reference), scales, within, cap)
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
@@ -101,9 +101,9 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     bound = task.asked.upper
     outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
     final = along_ends(system, fitted, {})
-    _certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
+    certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
     if task.asked.dark is not None and found.lit is not None:
-        _certify(final, whole, task.asked.dark, found.lit)
+        certify(final, whole, task.asked.dark, found.lit)
     return Fit(
         palette=fitted,
         values=found.values,
@@ -122,9 +122,10 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     )
 
 
-def _task(
+def task_of(
     system: LinearSystem, palette: Palette, asked: Limits, scales: Sequence[Scale], within: Range, cap: bool
 ) -> Task:
+    """What is asked of several scales; no two of them may multiply the same spectrum."""
     symbols = {scale.name: frozenset(moved_ends(system, palette, scale)) for scale in scales}
     names = sorted(symbols)
     for i, one in enumerate(names):
@@ -138,7 +139,8 @@ def _task(
     return Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
 
 
-def _certify(final: Along, whole: Along, bound: Bound, pixels: Pixels) -> None:
+def certify(final: Along, whole: Along, bound: Bound, pixels: Pixels) -> None:
+    """Make sure that every pixel is inside whatever its rounding."""
     inside = certified(final.seen(bound.matrix, pixels), whole.seen(bound.matrix, pixels), bound)
     if not inside.all():
         raise ArithmeticError(f"pixel {pixels[~inside][0]} could not be certified inside")

@@ -14,7 +14,7 @@ from symrt.spectra.palette import Palette
 
 __all__ = ["Feasible", "Fit", "Reason", "Side"]
 
-Side = Literal["upper", "lower", "luminance", "range", "cap"]
+Side = Literal["upper", "lower", "luminance", "range", "cap", "objective"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,8 @@ class Reason:
     ----------
     side
         ``"upper"`` or ``"lower"``: a pixel meets that bound of a band; ``"luminance"``: a pixel meets the luminance of
-        the device's black; ``"cap"``: reflectances would sum to more than 1; ``"range"``: the range asked for ends.
+        the device's black; ``"cap"``: reflectances would sum to more than 1; ``"range"``: the range asked for ends;
+        ``"objective"``: nothing better is found beyond.
     x, y
         The pixel: column from the left, row from the top.
     band
@@ -46,6 +47,8 @@ class Reason:
     def __str__(self) -> str:
         if self.side == "range":
             return "the range asked for ends"
+        if self.side == "objective":
+            return "nothing better is found beyond"
         guess = " (where the device's data are extrapolated)" if self.extrapolated else ""
         if self.side == "cap":
             return f"{self.symbol} would reflect more than it receives at {self.band}"

@@ -1,0 +1,239 @@
+"""The largest box in which several scales may move freely and independently: step 5 of the paper.
+
+Every coefficient of G is ≥ 0, so that no scale darkens anything.  An image whose scales lie between l and u is then
+between the images at l and at u, at any degree: a box [l, u] is safe exactly if the image meets the upper bounds at u
+and the lower ones at l.  The largest maximises ``Σ log(u_i − l_i)``.  In logarithms that is concave, and the upper
+bounds are convex: the box found is the largest of all.  Where the device's black is kept, lower bounds are replaced by
+tangents, and it is the largest nearby.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.feedback.along import along_ends
+from symrt.feedback.boxes import Box, SafeBox
+from symrt.feedback.caps import above_one
+from symrt.feedback.convex import Objective, Planes
+from symrt.feedback.filling import Task, lightest, lit
+from symrt.feedback.intervals import inside_at
+from symrt.feedback.joint import Joint, Programme, Solved, joint, solved
+from symrt.feedback.limits import limits
+from symrt.feedback.mapping import certify, task_of
+from symrt.feedback.parameters import Scale
+from symrt.feedback.posynomials import sliders
+from symrt.feedback.ranges import Range, dark_share, feasible
+from symrt.feedback.reasons import Reason
+from symrt.feedback.settling import lowered, near, raised
+from symrt.gamut.slabs import Black, Gamut, device_gamut
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.system import LinearSystem
+
+__all__ = ["safe_box"]
+
+Pixels = Int[np.ndarray, " _"]
+Point = Float[np.ndarray, " scale"]
+APART = 0.1
+"""Of the ends of a side, in logarithms, where the search for a box with a dark side starts."""
+NOTHING = Solved(np.zeros(0), "global", 0, 0)
+
+
+def safe_box(  # noqa: PLR0913  # a public verb names its options
+    system: LinearSystem,
+    palette: Palette,
+    gamut: Gamut,
+    scales: Sequence[Scale],
+    *,
+    within: Range = (0.01, 3.0),
+    black: Black | None = None,
+    reference: Reference | None = None,
+    cap: bool = True,
+    samples: int = 0,
+) -> SafeBox:
+    """The largest box in which all scales may move freely and independently while the image stays inside a gamut.
+
+    Parameters
+    ----------
+    scales
+        Of materials, components or lights; no two of the same spectrum.  Their order does not matter.
+    within, black, reference, cap
+        As for `fit`.
+    samples
+        Points at which to try the box of the separate ranges, seeded; 0: no comparison.
+
+    Raises
+    ------
+    ValueError
+        If the scales overlap, or they, the palette, the gamut and the system do not fit together, or if some
+        coefficient of G is negative.
+
+    Examples
+    --------
+    One pixel that two materials share: each alone may go to 3, both together not:
+
+    >>> from scipy import sparse
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
+    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, height=1, width=1, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
+    >>> found = safe_box(system, palette, device_gamut(device), [Scale("ice"), Scale("sea")], within=(0.5, 3))
+    >>> {name: (low, round(high, 9)) for name, (low, high) in found.box.items()}
+    {'ice': (0.5, 2.0), 'sea': (0.5, 2.0)}
+    """
+    start = time.perf_counter()
+    if black is not None:
+        gamut = device_gamut(gamut.device, gamut.model, black)
+    asked = limits(system, palette, gamut, reference)
+    task = task_of(system, palette, asked, scales, within, cap)
+    if task.within[0] == task.within[1]:
+        raise ValueError(f"within = {within}: a box needs room, low below high")
+    if task.line({}, frozenset(task.symbols)).signed:
+        raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
+    found = joint(task)
+    bottom, top, counted, cost = _corners(task, found)
+    reasons = {name: (Reason("range"), why) for name, why in found.reasons.items()}
+    close = near(found.image, top, found.names)
+    for name in found.names:
+        top[name], above = raised(task, close, top, name)
+        bottom[name], below = lowered(task, counted, bottom, name)
+        reasons[name] = below, above
+    separate = _separate(task, gamut, reference) if samples else None
+    answer = _answer(task, found, bottom, top, counted)
+    return replace(
+        answer,
+        reasons={name: reasons[name] for name in task.symbols},
+        optimum=cost.optimum,
+        separate=separate,
+        separate_inside=_share_inside(task, found, counted, separate, samples) if separate else None,
+        rounds=cost.rounds,
+        rows=cost.rows,
+        seconds=time.perf_counter() - start,
+    )
+
+
+def _corners(task: Task, found: Joint) -> tuple[dict[str, float], dict[str, float], Pixels, Solved]:
+    """Scales at the bottom and at the top, and the pixels that must stay above black."""
+    bottom, top = dict(found.pinned), dict(found.pinned)
+    low, high, counted = task.within[0], task.within[1], np.zeros(0, dtype=int)
+    if task.asked.dark is None:
+        programme = Programme(_room(low), found.image, found.caps, found.box)
+        cost = solved(programme, np.full(len(found.names), np.log((low + high) / 2))) if found.names else NOTHING
+        if cost is None:
+            raise ArithmeticError("no box was found, although the low end of the range is inside")
+        ends = np.full(len(found.names), low), np.exp(cost.y)
+    else:
+        filled = lightest(task).values
+        counted, _ = lit(task, task.asked.dark, filled, 0.0)
+        ends, cost = _between(task, found, filled, counted)
+    for name, least, most in zip(found.names, *ends, strict=True):
+        bottom[name], top[name] = float(least), min(float(most), high)
+    return bottom, top, counted, cost
+
+
+def _between(
+    task: Task, found: Joint, filled: Mapping[str, float], counted: Pixels
+) -> tuple[tuple[Point, Point], Solved]:
+    """The bottom and the top where both are bounded; the same point where there is no room between the bounds."""
+    free = {name: task.symbols[name] for name in found.names}
+    n, start = len(free), np.log([filled[name] for name in found.names])
+    if task.asked.dark is None or not n:
+        return (np.exp(start), np.exp(start)), NOTHING
+    dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, counted, upper=False)
+    eye, none = np.eye(n), np.zeros((n, n))
+    planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))
+    programme = Programme(_room(None), found.image, found.caps, planes, dark=dark)
+    cost = solved(programme, np.concatenate([start + APART, start]))
+    if cost is None:
+        return (np.exp(start), np.exp(start)), NOTHING._replace(optimum="local")
+    return (np.exp(cost.y[n:]), np.exp(cost.y[:n])), cost
+
+
+def _room(low: float | None) -> Objective:
+    """−Σ log(u − l) in logarithms, with its derivatives; l is the same for all scales, or the rest of the variables."""
+
+    def objective(v: Point) -> tuple[float, Point, Float[np.ndarray, "scale scale"]]:
+        n = len(v) if low is not None else len(v) // 2
+        y = v[:n]
+        z = v[n:] if low is None else np.full(n, np.log(low) if low > 0 else -np.inf)
+        if (z >= y).any():
+            return np.inf, v, np.eye(len(v))
+        # With t = l / u, log(u − l) is y + log(1 − t), and q = t / (1 − t) its derivatives' only ingredient.
+        t = np.exp(z - y)
+        q = t / -np.expm1(z - y)
+        value, bend = -float(np.sum(y + np.log1p(-t))), np.zeros((len(v), len(v)))
+        top = np.arange(n)
+        bend[top, top] = q * (1 + q)
+        if low is not None:
+            return value, -1 - q, bend
+        bend[top + n, top + n] = q * (1 + q)
+        bend[top, top + n] = bend[top + n, top] = -q * (1 + q)
+        return value, np.concatenate([-1 - q, q]), bend
+
+    return objective
+
+
+def _answer(
+    task: Task, found: Joint, bottom: Mapping[str, float], top: Mapping[str, float], counted: Pixels
+) -> SafeBox:
+    """Both corners, certified once more pixel by pixel, and what else there is to say about them."""
+    whole, bound = task.line({}, frozenset(task.symbols)), task.asked.upper
+    objects = np.flatnonzero(task.system.object_pixels)
+    untouched = objects[~whole.touched[objects]]
+    outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
+    excluded = np.concatenate([outside, found.unfixable])
+    light, dark = (along_ends(task.system, task.painted(corner), {}) for corner in (top, bottom))
+    certify(light, whole, bound, np.setdiff1d(objects, excluded))
+    if task.asked.dark is not None:
+        certify(dark, whole, task.asked.dark, counted)
+    return SafeBox(
+        box={name: (bottom[name], top[name]) for name in task.symbols},
+        reasons={},
+        optimum="global",
+        separate=None,
+        separate_inside=None,
+        within=task.within,
+        verdict="rest-only" if len(excluded) else "complete",
+        untouched_outside=outside,
+        unfixable=found.unfixable,
+        dark=dark_share(dark, task.asked, objects, 1.0),
+        objects=len(objects),
+        above_one=above_one(task.painted(top)),
+        note=task.asked.note,
+        width=task.system.width,
+        rounds=0,
+        rows=0,
+        seconds=0.0,
+    )
+
+
+def _separate(task: Task, gamut: Gamut, reference: Reference | None) -> Box:
+    """The range of each scale, all others as given."""
+    ranges = {}
+    for name in task.symbols:
+        alone = feasible(
+            task.system, task.palette, gamut, Scale(name), within=task.within, reference=reference, cap=task.cap
+        )
+        if not alone.intervals:
+            return {}
+        ranges[name] = alone.intervals[0]
+    return ranges
+
+
+def _share_inside(task: Task, found: Joint, counted: Pixels, box: Box, samples: int) -> float:
+    """Share of seeded random points of a box at which every pixel is inside."""
+    low, high = np.array([box[name] for name in task.symbols]).T
+    draws = np.random.default_rng(0).uniform(low, high, (samples, len(low)))
+    bound = task.asked.dark
+    light = sliders(task.system, task.palette, task.symbols, task.asked.upper, found.image.pixels)
+    dark = None if bound is None else sliders(task.system, task.palette, task.symbols, bound, counted, upper=False)
+    inside = [
+        bool((light.brightest(y)[0] <= 1).all() and (dark is None or (dark.darkest(y)[0] >= 1).all()))
+        for y in np.log(draws)
+    ]
+    return float(np.mean(inside))
