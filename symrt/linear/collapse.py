@@ -156,7 +156,19 @@ def _onwards(program: Program, level: Level, below: Level, paths: Paths) -> Path
         coefficient.append(value[present])
     order = np.argsort(np.concatenate(hit), kind="stable")
     hits, numbers, values = (np.concatenate(parts)[order] for parts in (hit, product, coefficient))
-    return Paths(hits, numbers, values, tuple(products))
+    return _merged(Paths(hits, numbers, values, tuple(products)))
+
+
+def _merged(paths: Paths) -> Paths:
+    """Add up paths that lead to one hit by one product: two terms would else double them at each bounce."""
+    key = paths.hit * len(paths.products) + paths.product
+    _, first, same = np.unique(key, return_index=True, return_inverse=True)
+    if first.size == key.size:
+        return paths
+    # In the order in which they were found, which no tile changes.
+    order = np.argsort(first)
+    total = np.bincount(same, weights=paths.coefficient)[order]
+    return Paths(paths.hit[first[order]], paths.product[first[order]], total, paths.products)
 
 
 def _cut_off(tree: RayTree, program: Program, level: Level, paths: Paths, tail: Entries) -> None:

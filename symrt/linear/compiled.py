@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from symrt.linear.functions import function_of
 from symrt.reflection.polynomials import Monomial, monomials
-from symrt.reflection.symbols import Factor, Parameter, lobe_values
+from symrt.reflection.symbols import Factor, Lobe, Parameter, lobe_values
 from symrt.system import Nodes
 
 NodeIndex = tuple[tuple[str, int], ...]
@@ -56,7 +56,11 @@ class Compiled:
             If a formula has no finite value at some point.
         """
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            values = self.function(*(factors[name] for name in self.factors))
+            try:
+                values = self.function(*(factors[name] for name in self.factors))
+            except (NameError, TypeError) as error:
+                shown = ", ".join(map(str, self.expressions))
+                raise ValueError(f"{shown}: NumPy cannot compute this ({error}); use functions that it has") from error
         arrays = [np.broadcast_to(np.asarray(value, dtype=np.float64), (size,)) for value in values]
         for (met, _), array in zip(self.terms, arrays, strict=True):
             finite = np.isfinite(array)
@@ -88,6 +92,8 @@ def compile_formula(
     coefficients: list[sympy.Expr] = []
     for met, coefficient in monomials(formula).items():
         for index, bound in _at_nodes(coefficient.xreplace(values), free):
+            if any(lobe.args[1] < 0 for lobe in bound.atoms(Lobe)):
+                raise ValueError(f"{material}: {bound}: an exponent of a cosine must not be negative; 40 is glossy")
             terms.append((tuple(f"{material}.{name}" for name in met), index))
             coefficients.append(bound)
     factors = tuple(sorted({symbol.name for c in coefficients for symbol in c.atoms(Factor)}))

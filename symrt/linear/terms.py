@@ -11,6 +11,9 @@ import sympy
 from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance
 from symrt.tracing.raytree import Lit, Points, RayTree
 
+DEEPEST = 65
+"""Levels of a tree whose pixels are written in letters: each is nested in the one before, and printing recurses."""
+
 
 @dataclass(frozen=True, eq=False)
 class Letters:
@@ -33,6 +36,11 @@ class Letters:
 
 def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, float]]:
     """Radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
+    if len(tree.levels) > DEEPEST:
+        raise ValueError(
+            f"{len(tree.levels) - 1} bounces are too many for one formula in letters, at most {DEEPEST - 1} nest; "
+            "ask for the linear form, formula(collapse(tree), x, y), or trace with a smaller depth"
+        )
     letters = Letters()
     if not tree.levels:
         return sympy.Integer(0), {}

@@ -19,6 +19,7 @@ from typing import Any
 
 import sympy
 from sympy import pi
+from sympy.core.function import AppliedUndef
 
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import (
@@ -87,10 +88,10 @@ class Model:
         """Geometric factors that the tracer must compute; no other is."""
         return self._names(Factor)
 
-    @property
+    @cached_property
     def mirrors(self) -> bool:
         """Whether the model calls for mirrored rays."""
-        return self.reflected != 0
+        return bool(monomials(self.reflected))
 
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
         return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
@@ -124,6 +125,9 @@ def _as_expression(field: str, formula: object) -> sympy.Expr:
 
 
 def _check(field: str, formula: sympy.Expr) -> None:
+    if unknown := formula.atoms(AppliedUndef, type(sympy.I)):
+        shown = ", ".join(sorted(map(str, unknown)))
+        raise ValueError(f"{field} = {formula}: {shown} has no real value; write it in functions that SymPy knows")
     known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")}
     for symbol in sorted(formula.free_symbols, key=str):
         if not isinstance(symbol, Reflectance | Factor | Parameter):

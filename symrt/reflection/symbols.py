@@ -130,7 +130,7 @@ def parameter(name: str) -> Parameter:
     return Parameter(checked_name(name))
 
 
-def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float | int) -> sympy.Expr:
+def lobe(cosine: sympy.Expr, exponent: object) -> sympy.Expr:
     """A cosine to a power, exact to 2 ulp up to exponents of 1e7 where ``long double`` is wider than ``double``.
 
     Examples
@@ -140,6 +140,10 @@ def lobe(cosine: sympy.Expr, exponent: sympy.Expr | float | int) -> sympy.Expr:
     """
     if not isinstance(cosine, Factor) or cosine.name not in GEOMETRY:
         raise ValueError(f"lobe({cosine}, …): the first argument is one of the cosines {', '.join(GEOMETRY)}")
+    # A string is refused, not parsed: SymPy's parser evaluates what it reads.
+    bound = isinstance(exponent, sympy.Expr) and not exponent.atoms(Factor, Reflectance)
+    if not (bound or isinstance(exponent, float | int)):
+        raise ValueError(f"lobe(…, {exponent!r}): the exponent is a number, or an expression in parameters alone")
     return Lobe(Factor(f"one_minus_{cosine.name}"), exponent)
 
 

@@ -19,6 +19,10 @@ from symrt.scene.checks import Triple, check_name, check_triple, floats, settle
 __all__ = ["AmbientLight", "DirectionalLight", "Illumination", "Light", "PointLight", "moved", "white"]
 
 
+UNIT = 1e-9
+"""How far from 1 the length of a unit vector may be."""
+
+
 @dataclass(frozen=True, eq=False)
 class Illumination:
     """What a light does at some points.
@@ -173,7 +177,14 @@ class Moved:
 
     def illuminate(self, points: Float[np.ndarray, "3 n"]) -> Illumination:
         """What reaches the points, asked in the light's own coordinates."""
-        return self.light.illuminate(points - np.array(self.by, dtype=float)[:, None])
+        found = self.light.illuminate(points - np.array(self.by, dtype=float)[:, None])
+        size = np.sqrt(np.sum(found.direction**2, axis=0))
+        lit = found.falloff > 0
+        if not (np.all(found.falloff >= 0) and np.all(np.isfinite(found.falloff))):
+            raise ValueError(f"the light {self.name}: its falloff must be finite and not negative at every point")
+        if not np.all(np.abs(size[lit] - 1) <= UNIT):
+            raise ValueError(f"the light {self.name}: its directions must be unit vectors; divide them by their length")
+        return found
 
 
 @singledispatch

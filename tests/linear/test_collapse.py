@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from scenes_for_tests import every_scene, mirrors, small, two_materials
+from scenes_for_tests import every_scene, hall_of_mirrors, mirrors, small, two_materials
 
 import symrt as rt
 from symrt.linear import collapse as collapse_module
-from symrt.reflection import diffuse, n_dot_v, parameter, reflectance
+from symrt.reflection import diffuse, mirror, n_dot_v, parameter, reflectance
 from symrt.reflection.symbols import Light, Reflectance, n_dot_l
 
 
@@ -103,6 +103,38 @@ def test_schlick_reflection_is_affine_in_its_reflectance_and_never_expanded():
     assert {"sun*ball.diffuse", "sun*floor.diffuse*ball.f0", "sun*floor.diffuse"} <= {
         n.replace("ball.f0*floor.diffuse", "floor.diffuse*ball.f0") for n in names
     }
+
+
+def test_two_terms_at_each_bounce_do_not_double_the_work():
+    # Unmerged, 40 bounces would be 2⁴⁰ paths.
+    glossy = rt.Model(direct=diffuse * n_dot_l / sympy.pi, reflected=0.25 + reflectance("f0") / 2)
+    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
+    both = [rt.Material(name, model=glossy) for name in ("front", "back")]
+    scene = replace(hall_of_mirrors(40, tilt=0.0), camera=along, materials=both)
+    system = rt.render(scene, progress=False)
+    assert max(i.degree for i in system.interactions) == 41
+    tree = rt.trace(replace(scene, depth=3))
+    literal = rt.coefficient_matrix(rt.expressions(tree), 2, 2, system.white)
+    assert literal.interactions == rt.collapse(tree).interactions
+    np.testing.assert_allclose(rt.collapse(tree).G.toarray(), literal.G.toarray(), rtol=1e-13)
+
+
+def test_what_mirrors_by_nothing_is_no_mirror():
+    none = (mirror + 1) * n_dot_v - mirror * n_dot_v - n_dot_v
+    scene = mirrors(model=rt.Model(direct=diffuse * n_dot_l, reflected=none))
+    assert "mirrors" not in rt.plan(scene)
+    assert rt.render(scene, progress=False).object_pixels.any()
+
+
+def test_a_negative_exponent_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"shiny: .*must not be negative"):
+        rt.collapse(rt.trace(two_materials(exponent=20)), values={"shiny.exponent": -5})
+
+
+def test_a_function_that_numpy_lacks_is_named():
+    odd = rt.Model(direct=diffuse * sympy.besselj(0, n_dot_l))
+    with pytest.raises(ValueError, match="besselj"):
+        rt.render(mirrors(model=odd), progress=False)
 
 
 def test_a_model_without_a_finite_value_says_where():

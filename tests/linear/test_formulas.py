@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -153,6 +154,17 @@ def test_every_mirror_bounce_has_letters_of_its_own():
     formula = rt.formula(tree, 8, 8)
     assert {"n_dot_l", "n_dot_l_2", "n_dot_l_3", "n_dot_l_4"} <= set(formula.values)
     assert "front.mirror" in formula.text()
+
+
+def test_as_many_bounces_as_can_be_printed_are_and_more_are_refused():
+    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.02)
+    tree = rt.trace(replace(hall_of_mirrors(64, tilt=0.0), camera=along))
+    letters, linear = rt.formula(tree, 0, 0), rt.formula(rt.collapse(tree), 0, 0)
+    half = dict.fromkeys(letters.symbols, 0.5)
+    assert letters.evaluate(half) == pytest.approx(linear.evaluate(half), rel=1e-13)
+    assert letters.text().count("lamp") == letters.latex().count("lamp}") > 64
+    with pytest.raises(ValueError, match=r"65 bounces .* formula\(collapse\(tree\), x, y\)"):
+        rt.formula(rt.trace(replace(hall_of_mirrors(65, tilt=0.0), camera=along)), 0, 0)
 
 
 def test_supersampled_letters_stay_apart_and_average():

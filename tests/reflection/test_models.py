@@ -55,6 +55,8 @@ def test_products_of_sums_become_monomials_with_repetition():
         (sympy.exp(-diffuse), "exp(-diffuse)"),
         (sympy.Symbol("albedo") * n_dot_l, "albedo"),
         (Factor("n_dot_sun") * diffuse, "n_dot_sun"),
+        (sympy.Function("f")(n_dot_l) * diffuse, "f(n_dot_l)"),
+        (sympy.I * diffuse, "I has no real value"),
     ],
 )
 def test_a_model_that_is_not_linear_in_products_is_refused_and_the_part_at_fault_is_shown(formula, says):
@@ -139,6 +141,12 @@ def test_a_lobe_prints_as_a_power_of_its_cosine():
 def test_only_a_cosine_has_a_lobe():
     with pytest.raises(ValueError, match="one of the cosines"):
         lobe(Factor("one_minus_r_dot_v"), 3)
+
+
+@pytest.mark.parametrize("exponent", ["__import__('os').getcwd()", 50 * n_dot_l, 50 * diffuse], ids=str)
+def test_the_exponent_of_a_lobe_is_a_number_or_has_only_parameters(exponent):
+    with pytest.raises(ValueError, match="in parameters alone"):
+        lobe(r_dot_v, exponent)
 
 
 def test_a_model_asks_for_the_factors_in_its_formulas_and_no_others():

@@ -104,6 +104,23 @@ def test_a_light_of_ones_own_is_a_light():
     np.testing.assert_array_equal(system.G[:, [column]].toarray()[inside], point.G[:, [column]].toarray()[inside])
 
 
+@pytest.mark.parametrize(
+    ("stretch", "falloff", "says"), [(2.0, 1.0, "unit vectors"), (1.0, -1.0, "falloff"), (1.0, np.nan, "falloff")]
+)
+def test_a_light_of_ones_own_that_breaks_the_rules_is_named(stretch, falloff, says):
+    @dataclass(frozen=True)
+    class Wrong:
+        name: str = "wrong"
+        shadows: bool = False
+
+        def illuminate(self, points):
+            right = rt.DirectionalLight("right", direction=(0, -1, 0)).illuminate(points)
+            return replace(right, direction=right.direction * stretch, falloff=right.falloff * falloff)
+
+    with pytest.raises(ValueError, match=f"the light wrong: .*{says}"):
+        rt.trace(replace(two_materials(exponent=20), camera=camera(position=(0, 0, 6)), lights=[Wrong()]))
+
+
 def test_a_light_of_ones_own_has_no_certificate_and_can_be_saved(tmp_path):
     hall = replace(hall_of_mirrors(1), lights=[Spotlight("spot", (0, 1, -0.5))])
     system = rt.render(hall, progress=False)
