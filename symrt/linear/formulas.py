@@ -93,7 +93,7 @@ class Formula:
 
 @singledispatch
 def formula(source: object, x: int, y: int) -> Formula:  # noqa: ARG001 -- the registered ones use them
-    """The formula of pixel (x, y), x from the left and y from the top, both from 0.
+    """The formula of pixel (x, y), x from the left and y from the top, both from 0; in a window, from its corner.
 
     Parameters
     ----------
