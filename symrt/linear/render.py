@@ -17,6 +17,7 @@ from jaxtyping import Int
 from threadpoolctl import threadpool_limits
 from tqdm.auto import tqdm
 
+from symrt import __version__
 from symrt.linear.collapse import run
 from symrt.linear.matrix import stack_rows
 from symrt.linear.program import Free, Program, Values, make_program
@@ -73,7 +74,7 @@ def render(
     stage = make_stage(scene, alternatives)
     program = make_program(stage.materials, values, free)
     windows = tiles(stage.camera.width, stage.camera.height, stage.camera.samples)
-    kept = None if save is None else open_tiles(save, stage, program)
+    kept = None if save is None else open_tiles(save, __version__, windows, stage, program)
     bar = tqdm(total=len(windows), desc="render", unit="tile", delay=1, leave=False, disable=not progress)
     with bar, threadpool_limits(1):
         parts = []

@@ -1,6 +1,7 @@
 """Keep the tiles of a render on disk, so that an interrupted one goes on where it stopped (steps 1 and 2).
 
-A folder belongs to one render: a digest of the scene, made ready, and of its compiled program stands beside the tiles.
+A folder belongs to one render: a digest of symrt's version, the tiles, the scene made ready and its compiled program
+stands beside the tiles.
 """
 
 import hashlib

@@ -80,3 +80,12 @@ def test_a_killed_render_resumes(tmp_path):
 
 def test_a_whole_number_of_numpys_is_the_same_whole_number():
     assert list(described(np.int64(3))) == list(described(3))
+
+
+@pytest.mark.parametrize(("name", "other"), [("TILE", 200), ("__version__", "0.0.0")])
+def test_a_folder_of_another_version_or_other_tiles_is_refused(tmp_path, monkeypatch, name, other):
+    scene = two_materials(exponent=20)
+    rt.render(scene, save=tmp_path, progress=False)
+    monkeypatch.setattr(import_module("symrt.linear.render"), name, other)
+    with pytest.raises(ValueError, match="another scene or of other parameters"):
+        rt.render(scene, save=tmp_path, progress=False)
