@@ -106,6 +106,9 @@ def intersect_disk(disk: Disk, rays: Rays, low: float = 0.0) -> Crossing:
 def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
     """Signed distance along each ray to a plane, within 2 ulp; nan or infinite where it is parallel.
 
+    To an oblique plane a ray within 2⁻⁵¹ of parallel is parallel: a unit normal, rounded, does not know the side such
+    a ray goes to, and a fresh ray could meet the plane it leaves.
+
     Examples
     --------
     >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
@@ -115,8 +118,9 @@ def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
     if _is_axis(normal):
         k = int(np.argmax(np.abs(normal)))
         return (point[k] - rays.origin[k]) / rays.direction[k]
-    offset = two_sum(rays.origin, -point)
-    return -pair_quotient(pair_dot(offset, exact(normal)), pair_dot(exact(rays.direction), exact(normal)))
+    height = pair_dot(two_sum(rays.origin, -point), exact(normal))
+    slope = pair_dot(exact(rays.direction), exact(normal))
+    return np.where(np.abs(slope[0]) > 4 * ROUNDING * length(normal), -pair_quotient(height, slope), np.inf)
 
 
 def bounded(
