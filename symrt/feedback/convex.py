@@ -26,14 +26,14 @@ MET = 1e-9
 """What counts as satisfied: of constraints, and of the sum of gradients relative to its parts."""
 NOISE = 1e-8
 """Residuals below this are left to Newton's method, which is then close."""
-MOST_STEPS = 60
+MOST_STEPS = 150
 UNBOUNDED = 1e13
 """Duals above this, relative to the gradient, show that the constraints contradict each other."""
 SHORTEST = 1e-3
 """Part of Newton's step that is tried at last."""
 INSIDE = 0.99
 """Of the way to where a slack or a dual would vanish, at most."""
-CENTRED = 0.1
+CENTRED = 0.4
 """Of slacks times duals, and of the sum of gradients, that a step leaves at least."""
 REGULAR = 1e-15
 """Of the scaled matrix: where several points are best, the equations have no single solution."""
@@ -118,17 +118,20 @@ def minimise(objective: Objective, constraints: Constraints, start: Point) -> Mi
 
 
 def _minimised(objective: Objective, constraints: Constraints, now: _State) -> Minimum | None:
-    size = 1.0
+    before = np.inf
     for steps in range(MOST_STEPS):
         dual, primal = _residuals(objective, constraints, now)
         size = 1 + np.abs(objective(now.y)[1]).max(initial=0)
-        if max(now.slacks @ now.duals, np.abs(primal).max(initial=0)) < GAP * size and np.abs(dual).max() < MET * size:
+        gap, off, slope = now.slacks @ now.duals, np.abs(primal).max(initial=0), np.abs(dual).max()
+        if max(gap, off) < GAP * size and slope < MET * size:
+            return Minimum(now.y, steps)
+        # Rounding ends the progress earlier where constraints are nearly parallel.
+        if gap > before / 2 and gap < NOISE * size and off < GAP * size and slope < NOISE * size:
             return Minimum(now.y, steps)
         if not now.duals.max(initial=0) < UNBOUNDED * size:
             return None
-        now = _stepped(objective, constraints, now, dual, primal)
-    settled = constraints.at(now.y).max(initial=0) <= MET and now.slacks @ now.duals <= NOISE * size
-    return Minimum(now.y, MOST_STEPS) if settled else None
+        before, now = gap, _stepped(objective, constraints, now, dual, primal)
+    return None
 
 
 def _residuals(objective: Objective, constraints: Constraints, at: _State) -> tuple[Point, PerConstraint]:
@@ -185,9 +188,13 @@ def _newton(
 
     def step(lost: PerConstraint) -> _State:
         pull = -dual - slopes.T @ np.where(far, (now.duals * primal - lost) / now.slacks, 0.0)
-        y = solve(np.concatenate([pull, (lost / now.duals - primal)[~far]]))[: len(now.y)]
-        slacks = -primal - slopes @ y
-        return _State(y, slacks, -(lost + now.duals * slacks) / now.slacks)
+        solution = solve(np.concatenate([pull, (lost / now.duals - primal)[~far]]))
+        y, slacks, duals = solution[: len(now.y)], np.zeros(len(far)), np.zeros(len(far))
+        duals[~far] = solution[len(now.y) :]
+        slacks[~far] = -((lost + now.slacks * duals) / now.duals)[~far]
+        slacks[far] = (-primal - slopes @ y)[far]
+        duals[far] = -((lost + now.duals * slacks) / now.slacks)[far]
+        return _State(y, slacks, duals)
 
     return step
 
@@ -198,8 +205,8 @@ def _factored(matrix: Matrix, scales: int) -> Callable[[Point], Point]:
     scale = np.ones(len(matrix))
     scale[:scales] = 1 / np.sqrt(np.maximum(diagonal[:scales], REGULAR))
     signs = np.where(np.arange(len(matrix)) < scales, REGULAR, -REGULAR)
-    inverse = np.linalg.inv(matrix * scale[:, None] * scale + np.diag(signs))
-    return lambda right: scale * (inverse @ (scale * right))
+    regular = matrix * scale[:, None] * scale + np.diag(signs)
+    return lambda right: scale * np.linalg.solve(regular, scale * right)
 
 
 def _longest(now: _State, step: _State) -> float:

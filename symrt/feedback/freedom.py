@@ -21,14 +21,15 @@ from symrt.feedback.convex import Objective, Planes
 from symrt.feedback.filling import Task, lightest, lit
 from symrt.feedback.intervals import inside_at
 from symrt.feedback.joint import Joint, Programme, Solved, joint, solved
-from symrt.feedback.limits import limits
+from symrt.feedback.limits import Bound, limits
 from symrt.feedback.mapping import certify, task_of
 from symrt.feedback.parameters import Scale
 from symrt.feedback.posynomials import sliders
-from symrt.feedback.ranges import Range, dark_share, feasible
+from symrt.feedback.ranges import Range, check_share, dark_share, feasible
 from symrt.feedback.reasons import Reason
 from symrt.feedback.settling import lowered, near, raised
 from symrt.gamut.slabs import Black, Gamut, device_gamut
+from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
@@ -37,8 +38,8 @@ __all__ = ["safe_box"]
 
 Pixels = Int[np.ndarray, " _"]
 Point = Float[np.ndarray, " scale"]
-APART = 0.1
-"""Of the ends of a side, in logarithms, where the search for a box with a dark side starts."""
+NARROW = 1e-9
+"""Sides shorter than this, in logarithms, are none."""
 NOTHING = Solved(np.zeros(0), "global", 0, 0)
 
 
@@ -50,6 +51,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     *,
     within: Range = (0.01, 3.0),
     black: Black | None = None,
+    allowed_dark: Number = 0.0,
     reference: Reference | None = None,
     cap: bool = True,
     samples: int = 0,
@@ -62,6 +64,8 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
         Of materials, components or lights; no two of the same spectrum.  Their order does not matter.
     within, black, reference, cap
         As for `fit`.
+    allowed_dark
+        Share of the pixels above black with the palette given that may fall below.
     samples
         Points at which to try the box of the separate ranges, seeded; 0: no comparison.
 
@@ -87,6 +91,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     {'ice': (0.5, 2.0), 'sea': (0.5, 2.0)}
     """
     start = time.perf_counter()
+    check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
     asked = limits(system, palette, gamut, reference)
@@ -96,7 +101,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     if task.line({}, frozenset(task.symbols)).signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
     found = joint(task)
-    bottom, top, counted, cost = _corners(task, found)
+    bottom, top, counted, cost = _corners(task, found, allowed_dark)
     reasons = {name: (Reason("range"), why) for name, why in found.reasons.items()}
     close = near(found.image, top, found.names)
     for name in found.names:
@@ -117,7 +122,9 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     )
 
 
-def _corners(task: Task, found: Joint) -> tuple[dict[str, float], dict[str, float], Pixels, Solved]:
+def _corners(
+    task: Task, found: Joint, allowed_dark: Number
+) -> tuple[dict[str, float], dict[str, float], Pixels, Solved]:
     """Scales at the bottom and at the top, and the pixels that must stay above black."""
     bottom, top = dict(found.pinned), dict(found.pinned)
     low, high, counted = task.within[0], task.within[1], np.zeros(0, dtype=int)
@@ -129,11 +136,19 @@ def _corners(task: Task, found: Joint) -> tuple[dict[str, float], dict[str, floa
         ends = np.full(len(found.names), low), np.exp(cost.y)
     else:
         filled = lightest(task).values
-        counted, _ = lit(task, task.asked.dark, filled, 0.0)
+        counted = _counted(task, task.asked.dark, filled, allowed_dark)
         ends, cost = _between(task, found, filled, counted)
     for name, least, most in zip(found.names, *ends, strict=True):
         bottom[name], top[name] = float(least), min(float(most), high)
     return bottom, top, counted, cost
+
+
+def _counted(task: Task, bound: Bound, filled: Mapping[str, float], allowed: Number) -> Pixels:
+    """The pixels that must stay above black: those that may fall are the darkest of the filled image."""
+    counted, budget = lit(task, bound, filled, allowed)
+    image = sliders(task.system, task.painted(filled), task.symbols, bound, counted, upper=False)
+    share, _ = image.darkest(np.zeros(len(filled)))
+    return np.sort(counted[np.argsort(share, kind="stable")[budget:]])
 
 
 def _between(
@@ -148,7 +163,9 @@ def _between(
     eye, none = np.eye(n), np.zeros((n, n))
     planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))
     programme = Programme(_room(None), found.image, found.caps, planes, dark=dark)
-    cost = solved(programme, np.concatenate([start + APART, start]))
+    # At the filled image something is as bright as it may be, but what is darkest may still be halfway to black.
+    room = np.log(dark.darkest(start)[0].min(initial=np.e)) / (2 * max(1.0, dark.exponents.sum(axis=1).max()))
+    cost = solved(programme, np.concatenate([start, start - room])) if room > NARROW else None
     if cost is None:
         return (np.exp(start), np.exp(start)), NOTHING._replace(optimum="local")
     return (np.exp(cost.y[n:]), np.exp(cost.y[:n])), cost
