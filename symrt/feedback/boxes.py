@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
-from symrt.feedback.joint import Optimum
+from symrt.feedback.programmes import Optimum
 from symrt.feedback.reasons import Reason, exceptions
 
 __all__ = ["Box", "SafeBox"]

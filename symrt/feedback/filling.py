@@ -9,6 +9,7 @@ and stops where a pixel would fall below the device's black.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Int
@@ -70,12 +71,15 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Filled:
-    """Values and reasons of the scales, the pixels that were left out, and those that stay above black."""
+    """Values and reasons of the scales, the pixels left out, those that stay above black, and what it took."""
 
     values: Mapping[str, float]
     reasons: Mapping[str, Reason]
     unfixable: Pixels
     lit: Pixels | None = None
+    optimum: Literal["global", "local"] = "global"
+    rounds: int = 0
+    rows: int = 0
 
 
 def lightest(task: Task) -> Filled:

@@ -18,13 +18,14 @@ from symrt.feedback.along import along_ends
 from symrt.feedback.boxes import Box, SafeBox
 from symrt.feedback.caps import above_one
 from symrt.feedback.convex import Objective, Planes
-from symrt.feedback.filling import Task, lightest, lit
+from symrt.feedback.filling import Task, lightest
 from symrt.feedback.intervals import inside_at
-from symrt.feedback.joint import Joint, Programme, Solved, joint, solved
-from symrt.feedback.limits import Bound, limits
+from symrt.feedback.joint import Joint, counted_pixels, joint
+from symrt.feedback.limits import limits
 from symrt.feedback.mapping import certify, task_of
 from symrt.feedback.parameters import Scale
 from symrt.feedback.posynomials import sliders
+from symrt.feedback.programmes import Programme, Solved, solved
 from symrt.feedback.ranges import Range, check_share, dark_share, feasible
 from symrt.feedback.reasons import Reason
 from symrt.feedback.settling import lowered, near, raised
@@ -136,19 +137,11 @@ def _corners(
         ends = np.full(len(found.names), low), np.exp(cost.y)
     else:
         filled = lightest(task).values
-        counted = _counted(task, task.asked.dark, filled, allowed_dark)
+        counted = counted_pixels(task, task.asked.dark, filled, allowed_dark)
         ends, cost = _between(task, found, filled, counted)
     for name, least, most in zip(found.names, *ends, strict=True):
         bottom[name], top[name] = float(least), min(float(most), high)
     return bottom, top, counted, cost
-
-
-def _counted(task: Task, bound: Bound, filled: Mapping[str, float], allowed: Number) -> Pixels:
-    """The pixels that must stay above black: those that may fall are the darkest of the filled image."""
-    counted, budget = lit(task, bound, filled, allowed)
-    image = sliders(task.system, task.painted(filled), task.symbols, bound, counted, upper=False)
-    share, _ = image.darkest(np.zeros(len(filled)))
-    return np.sort(counted[np.argsort(share, kind="stable")[budget:]])
 
 
 def _between(
@@ -162,7 +155,7 @@ def _between(
     dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, counted, upper=False)
     eye, none = np.eye(n), np.zeros((n, n))
     planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))
-    programme = Programme(_room(None), found.image, found.caps, planes, dark=dark)
+    programme = Programme(_room(None), found.image, found.caps, planes, dark=dark, bottom=n)
     # At the filled image something is as bright as it may be, but what is darkest may still be halfway to black.
     room = np.log(dark.darkest(start)[0].min(initial=np.e)) / (2 * max(1.0, dark.exponents.sum(axis=1).max()))
     cost = solved(programme, np.concatenate([start, start - room])) if room > NARROW else None

@@ -11,11 +11,13 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
+from symrt.feedback.acceptance import OBJECTIVES, Goal, answered
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
-from symrt.feedback.filling import Task, darkest, lightest
+from symrt.feedback.filling import Task
 from symrt.feedback.intervals import certified, inside_at
 from symrt.feedback.limits import Bound, Limits, limits
+from symrt.feedback.objectives import Regions
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
 from symrt.feedback.reasons import Fit
@@ -28,7 +30,6 @@ from symrt.system import LinearSystem
 __all__ = ["certify", "fit", "task_of"]
 
 Pixels = Int[np.ndarray, " _"]
-Objective = Literal["lightest", "darkest"]
 
 
 def fit(  # noqa: PLR0913  # a public verb names its options
@@ -37,21 +38,26 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     gamut: Gamut,
     scales: Sequence[Scale],
     *,
-    objective: Objective = "lightest",
+    objective: Goal = "lightest",
     within: Range = (0.01, 3.0),
     black: Black | None = None,
     allowed_dark: Number = 0.0,
     reference: Reference | None = None,
     cap: bool = True,
+    regions: Regions | None = None,
+    least_luminance: Number = 0.5,
 ) -> Fit:
-    """The lightest, or darkest, palette in a range of scales that keeps the image inside a gamut.
+    """The palette in a range of scales that keeps the image inside a gamut and is best in some respect.
 
     Parameters
     ----------
     scales
         Of materials, components or lights; no two of the same spectrum.  Their order does not matter.
     objective
-        ``"lightest"`` or ``"darkest"``.
+        ``"lightest"``, the default, raises all scales together and each as far as it goes; ``"darkest"`` does the same
+        downwards.  ``"brightest"``: the largest mean luminance.  ``"closest"``: the least change, in logarithms.
+        ``"lexicographic"``: the least change in which no scale falls below the largest factor that all could share.
+        ``"contrast"``: the largest ratio of luminances of regions.
     within
         The least and the largest scale.
     black
@@ -60,6 +66,12 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         Share of the pixels above black with the palette given that the darkest image may let fall below.
     reference, cap
         As for `feasible`.
+    regions
+        For ``"contrast"``: pairs of masks, light and dark, whose least ratio of mean luminances counts; if not given,
+        the lightest and the darkest twentieth of the image given.
+    least_luminance
+        Share of the mean of min(Y, 1) of the image given that an acceptable answer's mean luminance keeps; 0 accepts
+        any.  It does not bind ``"darkest"``.
 
     Raises
     ------
@@ -83,8 +95,10 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     {'ice': 1.25, 'sea': 3.0}
     """
     start = time.perf_counter()
-    if objective not in ("lightest", "darkest"):
-        raise ValueError(f"objective = {objective!r}: there are 'lightest' and 'darkest'")
+    if objective not in OBJECTIVES:
+        raise ValueError(f"objective = {objective!r}: there are {', '.join(OBJECTIVES)}")
+    if regions is not None and objective != "contrast":
+        raise ValueError(f"regions were given, which the objective {objective!r} does not look at: use 'contrast'")
     check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
@@ -92,9 +106,10 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
-    found = lightest(task)
-    if objective == "darkest":
-        found = darkest(task, found, allowed_dark)
+    check_share(least_luminance, "least_luminance")
+    found, kept, acceptable = answered(
+        task, objective, allowed_dark=allowed_dark, regions=regions, least_luminance=least_luminance
+    )
     fitted = task.painted(found.values)
     objects = np.flatnonzero(system.object_pixels)
     untouched = objects[~whole.touched[objects]]
@@ -110,16 +125,26 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         reasons=found.reasons,
         objective=objective,
         within=task.within,
-        verdict="rest-only" if len(outside) + len(found.unfixable) else "complete",
+        verdict=_verdict(len(outside) + len(found.unfixable), acceptable),
         untouched_outside=outside,
         unfixable=found.unfixable,
         dark=dark_share(final, task.asked, objects, 1.0),
         objects=len(objects),
         above_one=above_one(fitted),
+        optimum=found.optimum,
+        luminance=kept,
+        rounds=found.rounds,
+        rows=found.rows,
         note=task.asked.note,
         width=system.width,
         seconds=time.perf_counter() - start,
     )
+
+
+def _verdict(outside: int, acceptable: bool) -> Literal["complete", "rest-only", "unacceptable"]:
+    if not acceptable:
+        return "unacceptable"
+    return "rest-only" if outside else "complete"
 
 
 def task_of(

@@ -157,7 +157,7 @@ class Feasible:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The lightest, or darkest, palette in a range of scales that keeps an image inside a gamut.
+    """The palette in a range of scales that keeps an image inside a gamut and is best in some respect.
 
     Parameters
     ----------
@@ -168,7 +168,8 @@ class Fit:
     reasons
         For each scale, what stopped it there.
     verdict
-        ``"complete"``: every pixel is inside; ``"rest-only"``: every pixel but those listed.
+        ``"complete"``: every pixel is inside; ``"rest-only"``: every pixel but those listed;
+        ``"unacceptable"``: too little of the image's luminance would be left.
     untouched_outside
         Pixels that are outside and do not depend on the scales.
     unfixable
@@ -179,6 +180,12 @@ class Fit:
         Number of object pixels, those that light reaches.
     above_one
         Materials that reflect more than they receive.
+    optimum
+        ``"global"``: no palette in the range is better; ``"local"``: none nearby is.
+    luminance
+        Mean luminance, as a share of the mean of min(Y, 1) of the image given.
+    rounds, rows
+        Programmes solved, and rows in the last of them; 0 for filling.
     note
         Gamut, reference, exposure, and what is modelled or left out.
     """
@@ -186,14 +193,18 @@ class Fit:
     palette: Palette
     values: Mapping[str, float]
     reasons: Mapping[str, Reason]
-    objective: Literal["lightest", "darkest"]
+    objective: str
     within: tuple[float, float]
-    verdict: Literal["complete", "rest-only"]
+    verdict: Literal["complete", "rest-only", "unacceptable"]
     untouched_outside: Int[np.ndarray, " outside"]
     unfixable: Int[np.ndarray, " unfixable"]
     dark: float
     objects: int
     above_one: tuple[str, ...]
+    optimum: Literal["global", "local"]
+    luminance: float
+    rounds: int
+    rows: int
     note: str
     width: int
     seconds: float
@@ -212,11 +223,19 @@ class Fit:
 
     def _answer(self) -> str:
         low, high = self.within
+        if self.verdict == "unacceptable":
+            return (
+                f"No acceptable solution with scales in {low:g} … {high:g}: the {self.objective} image inside would "
+                f"keep {self.luminance:.1%} of the luminance (min(Y, 1) on average) of the image given."
+            )
         whom = "image" if self.verdict == "complete" else "image but for some pixels"
-        return f"The {self.objective} {whom} inside with scales in {low:g} … {high:g} ({self.verdict})."
+        best = "" if self.optimum == "global" else "; none nearby is better"
+        return f"The {self.objective} {whom} inside with scales in {low:g} … {high:g} ({self.verdict}{best})."
 
     def _exceptions(self) -> list[str]:
-        return exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+        lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+        work = f"{self.rounds} programmes of up to {self.rows} rows, " if self.rounds else ""
+        return [*lines, f"{work}{self.seconds:.2f} s; mean luminance {self.luminance:.1%} of the image given."]
 
 
 def exceptions(
