@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from textwrap import shorten
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
@@ -116,9 +116,7 @@ def probe(
 @app.command()
 def render(
     scene: option.SceneFile,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Where the system goes; SCENE.npz if not given.")
-    ] = None,
+    out: option.SystemOut = None,
     size: option.Size = None,
     samples: Annotated[int | None, typer.Option(help="n for n × n samples a pixel.")] = None,
     workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
@@ -224,6 +222,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     palettes: option.PaletteFile = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
+    together: option.Together = False,
     cap: option.Cap = True,
     device: option.DeviceName = DEVICE,
     model: option.ModelName = None,
@@ -234,22 +233,26 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """Which values of a parameter a device can print.
-
-    Beside each range stands what ends it: a pixel, a band and a side.
+    """Which values of a parameter a device can print, and which pixel and band end each range.
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
     from symrt.explore.tables import feasible_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.explore.together import box_text  # noqa: PLC0415  # the same
 
+    if together and (plot is not None or allowed_out):
+        raise ValueError("--together gives one box for all pixels: leave out --plot and --allowed-out")
     if plot is not None:
         writable(plot, ".png")
     asked = [parameter_of(word) for word in parameter]
     spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size, asked)
-    options = {"within": within, "allowed_out": allowed_out, "cap": cap, "reference": seen}
-    found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
+    options = {"within": within, "cap": cap, "reference": seen}
+    if together:
+        typer.echo(box_text(system, spectra, limits, parameter, as_json=as_json, **options))
+        return
+    found = [rt.feasible(system, spectra, limits, one, allowed_out=allowed_out, **options) for one in asked]
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, limits, seen)
     answers = [feasible_record(one) for one in found]
@@ -283,7 +286,8 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     source: option.Source,
     parameter: option.Parameters,
-    objective: Annotated[Literal["lightest", "darkest"], typer.Option(help="What is sought.")] = "lightest",
+    objective: option.Objective = "lightest",
+    least_luminance: option.LeastLuminance = 0.5,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
     palette: option.PaletteName = None,
     palettes: option.PaletteFile = None,
@@ -297,9 +301,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     size: option.Size = None,
     as_json: option.Json = False,
 ) -> None:
-    """The lightest or darkest picture it can print.
-
-    Several scales are chosen at once, whatever the order they are given in.
+    """The lightest, darkest, closest … picture it can print, whatever the order of the scales.
 
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out lightest.png
     """
@@ -312,7 +314,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size)
     options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
-    found = rt.fit(system, spectra, limits, scales, **options)
+    found = rt.fit(system, spectra, limits, scales, least_luminance=least_luminance, **options)
     if out is not None:
         # A picture is seen as the fit was asked; other files hold the radiances as they are.
         view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}

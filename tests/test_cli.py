@@ -103,6 +103,7 @@ BAD_WORDS = [
     ["fit", "first", *SMALL, "--palette", "plain", "-p", "blend:red:red"],
     ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:red.diffuse"],
     ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--objective", "prettiest"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together", "--allowed-out", "0.1"],
     ["demo", "--scene", "nosuch"],
     ["demo", "--size", "0"],
 ]
@@ -350,6 +351,26 @@ def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, s
     assert record["verdict"] == expected.verdict
     rt.save_image("same.png", rt.shade(system, expected.palette))
     assert (tmp_path / "light.png").read_bytes() == (tmp_path / "same.png").read_bytes()
+
+
+def test_fit_takes_every_objective_and_the_least_luminance(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--json", "--objective", "closest"]
+    record = json.loads(run(*words, "--least-luminance", "0")[1])
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], objective="closest", least_luminance=0)
+    assert record["values"] == dict(expected.values)
+    assert record["optimum"] == "global"
+
+
+def test_feasible_together_is_the_safe_box(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together"]
+    record = json.loads(run(*words, "--json")[1])
+    expected = rt.safe_box(system, palette, gamut, [rt.Scale("red")])
+    assert record["box"] == {"red": list(expected.box["red"])}
+    assert run(*words)[1].startswith("All scales may move freely")
 
 
 def test_report_gives_the_librarys_verdicts_as_json(run):

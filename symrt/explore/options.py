@@ -12,9 +12,11 @@ __all__ = [
     "DeviceName",
     "Exposure",
     "Json",
+    "LeastLuminance",
     "ModelName",
     "Models",
     "Monitor",
+    "Objective",
     "PaletteFile",
     "PaletteName",
     "Parameters",
@@ -23,6 +25,8 @@ __all__ = [
     "SceneFile",
     "Size",
     "Source",
+    "SystemOut",
+    "Together",
     "Within",
 ]
 
@@ -59,3 +63,14 @@ Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances phy
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]
+Objective = Annotated[
+    Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"],
+    typer.Option("--objective", help="What is sought."),
+]
+LeastLuminance = Annotated[
+    float, typer.Option("--least-luminance", help="Share of the luminance given that is acceptable; 0 for any.")
+]
+Together = Annotated[
+    bool, typer.Option("--together", help="One box in which all the scales may move freely, not range by range.")
+]
+SystemOut = Annotated[Path | None, typer.Option("--out", "-o", help="Where the system goes; SCENE.npz if not given.")]

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from symrt.feedback.boxes import SafeBox
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.gamut.slabs import Gamut
 
-__all__ = ["feasible_record", "fit_record", "fits_table", "gamut_facts", "gamut_table", "ranges_table"]
+__all__ = ["box_record", "feasible_record", "fit_record", "fits_table", "gamut_facts", "gamut_table", "ranges_table"]
 
 SHOWN = 8
 """Components whose errors are listed; later ones hardly matter on any device seen."""
@@ -105,11 +106,31 @@ def fit_record(found: Fit) -> dict[str, Any]:
         "values": dict(found.values),
         "reasons": {name: _reason(reason) for name, reason in found.reasons.items()},
         "verdict": found.verdict,
+        "optimum": found.optimum,
+        "mean luminance kept": found.luminance,
         "object pixels": found.objects,
         "untouched outside": _places(found, found.untouched_outside),
         "unfixable": _places(found, found.unfixable),
         "share darker than black": found.dark,
         "above one": list(found.above_one),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
+def box_record(found: SafeBox) -> dict[str, Any]:
+    """A safe box, with its reasons, ready for JSON."""
+    return {
+        "within": list(found.within),
+        "box": {name: list(ends) for name, ends in found.box.items()},
+        "reasons": {name: {"below": _reason(a), "above": _reason(b)} for name, (a, b) in found.reasons.items()},
+        "verdict": found.verdict,
+        "optimum": found.optimum,
+        "object pixels": found.objects,
+        "untouched outside": _places(found, found.untouched_outside),
+        "unfixable": _places(found, found.unfixable),
+        "share darker than black at the bottom": found.dark,
+        "above one at the top": list(found.above_one),
         "note": found.note,
         "seconds": found.seconds,
     }
@@ -137,7 +158,7 @@ def _reason(reason: Reason) -> dict[str, Any]:
     return {key: getattr(reason, key) for key in keys} | {"text": str(reason)}
 
 
-def _places(found: Feasible | Fit, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:
+def _places(found: Feasible | Fit | SafeBox, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:
     return [[int(n % found.width), int(n // found.width)] for n in pixels]
 
 
