@@ -92,7 +92,7 @@ def test_the_closest_is_closer_than_any_other_image_inside():
         assert found.optimum == "global"
         tried = 0
         for size in (0.3, 0.02):
-            for values in nearby(found, 500, size):
+            for values in nearby(found, 250, size):
                 if inside(MIRRORED, values):
                     tried += 1
                     assert change(values) >= change(found.values)
@@ -141,7 +141,7 @@ def test_the_lexicographic_answer_keeps_the_exposure_first():
     assert min(found.values.values()) == pytest.approx(level, rel=1e-12)
     assert min(closest.values.values()) < level
     assert change(closest.values) < change(found.values) < len(everything) * np.log(level) ** 2
-    for values in nearby(found, 1000, 0.05):
+    for values in nearby(found, 400, 0.05):
         if min(values.values()) >= level and inside(MIRRORED, values):
             assert change(values) >= change(found.values)
     dimmed = feasible(MIRRORED, COLOURS, ENVELOPE, Exposure()).high
@@ -182,7 +182,7 @@ def test_no_image_near_the_brightest_is_brighter():
     for scales in (MATERIALS, LIGHTS, FEW):
         found = fit(MIRRORED, COLOURS, ENVELOPE, scales, objective="brightest", cap=False)
         best = (reflected(MIRRORED, found.values) @ LUMINANCE).mean()
-        for values in nearby(found, 400, 0.02):
+        for values in nearby(found, 150, 0.02):
             if inside(MIRRORED, values):
                 assert (reflected(MIRRORED, values) @ LUMINANCE).mean() <= best
         for goal in ("lightest", "closest", "lexicographic", "contrast"):
@@ -213,7 +213,7 @@ def test_contrast_is_the_largest_nearby_and_regions_are_the_callers():
     assert found.optimum == "local"
     given = fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, objective="closest", cap=False)
     assert least(found.values) > least(given.values)
-    for values in nearby(found, 400, 0.02):
+    for values in nearby(found, 150, 0.02):
         if inside(MIRRORED, values):
             # The search ends where a step brings less than 1e-7.
             assert least(values) <= least(found.values) + 1e-5
