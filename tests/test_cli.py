@@ -162,7 +162,7 @@ def test_an_interrupt_ends_with_code_130_and_no_traceback(run, monkeypatch):
     def interrupted(*_args, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "scene_of", interrupted)
+    monkeypatch.setattr(rt, "load_scene", interrupted)
     assert run("render", "first") == (130, "", "")
 
 

@@ -1,4 +1,4 @@
-"""Looking and playing: plots, the demo, and what the command line's words stand for."""
+"""Looking and playing: plots, tables, the demo, and what is written to files."""
 
 from importlib import import_module
 from typing import Any

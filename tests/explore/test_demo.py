@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import symrt as rt
-from symrt.explore.arguments import scene_of
+from symrt.commands.arguments import scene_of
 from symrt.explore.demo import write_demo
 from symrt.explore.study import materials, telling_pixel
 

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 import typer
 
 __all__ = [
+    "DEVICE",
+    "PICTURES",
     "AllowedOut",
     "BlackName",
     "Cap",
@@ -29,6 +31,11 @@ __all__ = [
     "Together",
     "Within",
 ]
+
+DEVICE = "dye3-endura-premier"
+"""The device that is meant if none is named."""
+PICTURES = (".png", ".tif", ".tiff", ".npz", ".exr")
+"""Endings of the files that a picture can be written to."""
 
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file, or globe, spheres or first.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|SYSTEM", help="A scene, or a rendered system (.npz).")]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import symrt as rt
-from symrt.explore.arguments import alternatives_of, parameter_of, scene_of, size_of, system_of, writable
+from symrt.commands.arguments import alternatives_of, parameter_of, scene_of, size_of, system_of, writable
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,97 @@
+"""Commands that answer for an image and a gamut: what is feasible, and what fits best (step 5 of the paper)."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import symrt as rt
+from symrt.commands import options as option
+from symrt.commands.arguments import gamut_of, palette_of, parameter_of, scale_of, system_of, writable
+from symrt.explore.writing import draw, json_text
+
+__all__ = ["feasible", "fit"]
+
+
+def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: option.Source,
+    parameter: option.Parameters,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    allowed_out: option.AllowedOut = 0.0,
+    together: option.Together = False,
+    cap: option.Cap = True,
+    device: option.DeviceName = option.DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    plot: option.Plot = None,
+    as_json: option.Json = False,
+) -> None:
+    """Which values of a parameter a device can print, and which pixel and band end each range.
+
+    Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
+    """
+    from symrt.explore.tables import box_record, feasible_record  # noqa: PLC0415  # slow, and --help does not need it
+
+    if together and (plot is not None or allowed_out):
+        raise ValueError("--together gives one box for all pixels: leave out --plot and --allowed-out")
+    if plot is not None:
+        writable(plot, ".png")
+    asked = [parameter_of(word) for word in parameter]
+    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    seen = rt.Reference(reference, exposure)
+    system = system_of(source, size, asked)
+    options = {"within": within, "cap": cap, "reference": seen}
+    if together:
+        scales = [scale_of(word) for word in parameter]
+        box = rt.safe_box(system, spectra, limits, scales, **(options | {"within": within or (0.01, 3.0)}))
+        typer.echo(json_text(box_record(box)) if as_json else repr(box))
+        return
+    found = [rt.feasible(system, spectra, limits, one, allowed_out=allowed_out, **options) for one in asked]
+    if plot is not None:
+        draw(plot, "ranges_figure", found, system, spectra, limits, seen)
+    answers = [feasible_record(one) for one in found]
+    typer.echo(json_text(answers) if as_json else "\n\n".join(map(repr, found)))
+
+
+def fit(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: option.Source,
+    parameter: option.Parameters,
+    objective: option.Objective = "lightest",
+    least_luminance: option.LeastLuminance = 0.5,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    cap: option.Cap = True,
+    device: option.DeviceName = option.DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    as_json: option.Json = False,
+) -> None:
+    """The lightest, darkest, closest … picture it can print, whatever the order of the scales.
+
+    Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out lightest.png
+    """
+    from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
+
+    if out is not None:
+        writable(out, *option.PICTURES)
+    scales = [scale_of(word) for word in parameter]
+    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    seen = rt.Reference(reference, exposure)
+    system = system_of(source, size)
+    options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
+    found = rt.fit(system, spectra, limits, scales, least_luminance=least_luminance, **options)
+    if out is not None:
+        # A picture is seen as the fit was asked; other files hold the radiances as they are.
+        view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}
+        rt.save_image(out, rt.shade(system, found.palette), **view)
+    typer.echo(json_text(fit_record(found)) if as_json else repr(found))

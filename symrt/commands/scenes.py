@@ -1,0 +1,129 @@
+"""Commands on a scene: what it calls for, its render, a pixel's formula, a picture, the demo (steps 1 to 3)."""
+
+from dataclasses import asdict
+from pathlib import Path
+from textwrap import shorten
+from typing import Annotated
+
+import typer
+
+import symrt as rt
+from symrt.commands import options as option
+from symrt.commands.arguments import formula_of, palette_of, scene_of, system_of, writable
+from symrt.explore.writing import json_text
+
+__all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
+
+
+def plan(scene: option.SceneFile, as_json: option.Json = False) -> None:
+    """Which effects a scene calls for, and by what.
+
+    Example: symrt plan globe
+    """
+    found = rt.plan(rt.load_scene(scene))
+    keys = ("effect", "simulated", "because", "rays at most")
+    record = [dict(zip(keys, effect.row, strict=True)) | {"simulated": effect.simulated} for effect in found.effects]
+    typer.echo(json_text(record) if as_json else str(found))
+
+
+def probe(
+    scene: option.SceneFile,
+    rays: Annotated[int, typer.Option("--rays", help="About how many rays.")] = 4096,
+    as_json: option.Json = False,
+) -> None:
+    """What a few rays meet: lights, materials, bounces.
+
+    Example: symrt probe globe --rays 1024
+    """
+    found = rt.probe(rt.load_scene(scene), rays=rays)
+    record = {"rays": found.rays, "mirrored": found.mirrored, "hidden": found.hidden}
+    record |= {"meetings": [asdict(meeting) for meeting in found.meetings]}
+    typer.echo(json_text(record) if as_json else str(found))
+
+
+def render(
+    scene: option.SceneFile,
+    out: option.SystemOut = None,
+    size: option.Size = None,
+    samples: Annotated[int | None, typer.Option(help="n for n × n samples a pixel.")] = None,
+    workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
+    as_json: option.Json = False,
+) -> None:
+    """Trace and collapse a scene into a linear system.
+
+    The file that it writes is what every other command reads.
+
+    Example: symrt render globe --size 512 --out globe.npz
+    """
+    out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz")
+    if workers is not None and workers < 1:
+        raise ValueError(f"--workers {workers}: at least one thread works")
+    system = rt.render(scene_of(scene, size, samples), workers=workers)
+    rt.save_system(out, system)
+    record = {"system": str(out), "width": system.width, "height": system.height}
+    record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
+    seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
+    typer.echo(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
+
+
+def formula(
+    source: option.Source,
+    x: Annotated[int, typer.Option("--x", help="Column from the left, from 0.")],
+    y: Annotated[int, typer.Option("--y", help="Row from the top, from 0.")],
+    collapsed: Annotated[bool, typer.Option("--collapsed", help="After the collapse, also from a scene.")] = False,
+    latex: Annotated[bool, typer.Option("--latex", help="As LaTeX.")] = False,
+    python: Annotated[bool, typer.Option("--python", help="As a Python function, every digit kept.")] = False,
+    size: option.Size = None,
+    as_json: option.Json = False,
+) -> None:
+    """What one pixel says, as a formula.
+
+    Of a scene with the geometry in letters, of a rendered system the linear form.
+
+    Example: symrt formula globe --x 210 --y 140
+    """
+    found = formula_of(source, size, x, y, collapsed)
+    if as_json:
+        record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
+        typer.echo(json_text(record | {"symbols": list(found.symbols), "values": dict(found.values)}))
+    else:
+        typer.echo(found.latex() if latex else found.code() if python else str(found))
+
+
+def shade(
+    source: option.Source,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help=".png, .tif, .npz or .exr.")] = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    exposure: option.Exposure = 1.0,
+    reference: option.Reference = None,
+    size: option.Size = None,
+) -> None:
+    """Make a picture with a palette.
+
+    Example: symrt shade globe.npz --palettes globe --palette macbeth --out globe.png
+    """
+    spectra = palette_of(source, palettes, palette)
+    out = writable(out or Path(f"{Path(source).stem}.png"), *option.PICTURES)
+    system = system_of(source, size)
+    image = rt.shade(system, spectra)
+    white = rt.Reference(reference).white(system, spectra) if reference else None
+    rt.save_image(out, image, exposure=exposure, reference=white)
+    typer.echo(f"{out}: {image!r}, shaded in {image.seconds:.3f} s")
+
+
+def demo(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the pictures and tables.")] = Path("out"),
+    size: Annotated[str, typer.Option("--size", metavar="W[xH]", help="Pixels.")] = "512",
+    scene: Annotated[str, typer.Option("--scene", help="A scene with palettes in RGB and in wavelengths.")] = "globe",
+) -> None:
+    """The paper's Figures 1, 2 and 3 into a folder.
+
+    With them go a table of feasible ranges, one pixel's formula, the times, and a page that shows all of it.
+
+    Example: symrt demo --out out
+    """
+    from symrt.explore.demo import write_demo  # noqa: PLC0415  # slow, and --help does not need it
+
+    for product in write_demo(out, scene_of(scene, size), rt.load_palettes(scene)):
+        typer.echo(f"{product.path}: {shorten(product.caption, 140, placeholder=' …')}")
