@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
-from symrt.feedback.clipping import clip
+from symrt.gamut.interface import clip
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.display import display_matrix, encode

@@ -1,7 +1,6 @@
 """Step 5: what the gamut says about the parameters."""
 
 from symrt.feedback.boxes import SafeBox
-from symrt.feedback.clipping import Interval, clip
 from symrt.feedback.freedom import safe_box
 from symrt.feedback.mapping import fit
 from symrt.feedback.parameters import Blend, Exposure, Scale
@@ -10,6 +9,8 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.regions import split, with_region
 from symrt.feedback.report import Report, Verdict, report
+from symrt.gamut.clipping import Interval
+from symrt.gamut.interface import clip
 
 __all__ = [
     "Blend",

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.feedback.along import Along
-from symrt.feedback.clipping import clip_slabs
 from symrt.feedback.limits import Bound
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
+from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.bands import Number
 
 __all__ = ["certified", "inside_at", "intervals"]

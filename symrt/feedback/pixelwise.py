@@ -6,16 +6,14 @@ centre, or to the nearest point of the gamut.  Neighbours that move differently 
 
 import time
 from dataclasses import dataclass, replace
-from typing import Literal, cast
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 from scipy.ndimage import gaussian_filter, minimum_filter
 
-from symrt.feedback.clipping import clip
 from symrt.feedback.limits import white_in_every_band
-from symrt.gamut.interface import ClippingGamut, ConvexGamut
-from symrt.gamut.slabs import Gamut
+from symrt.gamut.interface import ConvexGamut, clip
 from symrt.spectra.bands import Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
@@ -63,7 +61,7 @@ class Mapped:
 def map_pixels(
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut | ClippingGamut,
+    gamut: ConvexGamut,
     *,
     towards: Target = "neutral",
     smoothness: Number = 0.0,
@@ -104,7 +102,7 @@ def map_pixels(
         raise ValueError(f"smoothness = {smoothness}: it must be from 0 to the size of the image, in pixels")
     reference = reference or Reference()
     white = white_in_every_band(system, palette, reference, [gamut])
-    gamut = cast("Gamut | ClippingGamut", gamut.under(white))
+    gamut = gamut.under(white)
     image = shade(system, palette)
     seen = image.values.reshape(-1, len(white))[system.object_pixels] / white
     moved = gamut.nearest(seen) if towards == "nearest" else _towards(system, gamut, seen, towards, float(smoothness))
@@ -125,7 +123,7 @@ def map_pixels(
 
 
 def _towards(
-    system: LinearSystem, gamut: Gamut | ClippingGamut, seen: Reflectances, towards: Target, smoothness: float
+    system: LinearSystem, gamut: ConvexGamut, seen: Reflectances, towards: Target, smoothness: float
 ) -> Reflectances:
     low, high = _greys(gamut, seen.shape[1])
     grey = np.full(len(seen), (low + high) / 2) if towards == "centre" else np.clip(seen.mean(axis=1), low, high)
@@ -138,7 +136,7 @@ def _towards(
 
 def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
     """The darkest and the lightest grey inside."""
-    span = clip(gamut, np.zeros((1, bands)), np.ones((1, bands)))  # type: ignore[arg-type]  # one that clips
+    span = clip(gamut, np.zeros((1, bands)), np.ones((1, bands)))
     if span.empty[0]:
         raise ValueError(f"{gamut.name} has no grey to move towards: choose towards='nearest'")
     return max(0.0, float(span.low[0])), float(span.high[0])

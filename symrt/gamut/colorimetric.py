@@ -16,9 +16,10 @@ from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull, QhullError
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.clipping import Interval
 from symrt.gamut.colorimetry import tristimulus
 from symrt.gamut.device import Device
-from symrt.gamut.interface import ROUNDING, clip_halfspaces
+from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.spectra.bands import Bands
 
@@ -72,6 +73,11 @@ class ColorimetricGamut:
         return self.device.bands
 
     @property
+    def devices(self) -> tuple[Device, ...]:
+        """The printer."""
+        return (self.device,)
+
+    @property
     def observer(self) -> Float[np.ndarray, "band 3"]:
         """The matrix that takes a reflectance to XYZ under the viewing light."""
         return tristimulus(self.bands, self.light)
@@ -106,9 +112,18 @@ class ColorimetricGamut:
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
         return np.where(decided, (along @ self.colours.T).max(axis=1), np.inf)
 
-    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
-        """Low and high t between which the colour of ``origin + t direction`` is inside."""
-        return clip_halfspaces(self.normals @ self.observer.T, self.offsets, origin, direction)
+    @property
+    def slabs(self) -> Slabs:
+        """The half-spaces of reflectances that the solid's faces are."""
+        count = len(self.offsets)
+        words = tuple(f"face {face} of {count} of the solid of colours" for face in range(1, count + 1))
+        no = np.zeros(count, dtype=bool)
+        outer = self.offsets + ROUNDING
+        return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
+        """The t for which the colour of ``origin + t direction`` is inside."""
+        return self.slabs.clip(origin, direction)
 
     def __repr__(self) -> str:
         modelled = " (modelled)" if self.device.modelled else ""

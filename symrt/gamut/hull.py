@@ -13,6 +13,7 @@ from jaxtyping import Bool
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.clipping import Interval
 from symrt.gamut.device import Device
 from symrt.gamut.mixtures import EXACT, nearest_mixtures
 from symrt.spectra.bands import Bands, Number
@@ -67,6 +68,11 @@ class HullGamut:
         """Wavelengths of its spectra."""
         return self.device.bands
 
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """The printer."""
+        return (self.device,)
+
     @cached_property
     def basis(self) -> Basis:
         """The device's basis, constant spectrum first."""
@@ -104,8 +110,8 @@ class HullGamut:
         prints = (directions @ self.device.samples.T).max(axis=1)
         return prints + self.tolerance * self._root * np.linalg.norm(directions, axis=1)
 
-    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
-        """Low and high t between which ``origin + t direction`` is inside.
+    def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
+        """The t between which ``origin + t direction`` is inside.
 
         Cutting planes: a point of the line outside the gamut has a plane between them, beyond which the line is
         outside too.  Cuts at the middle find a point inside or prove that there is none; cuts at the ends, Newton's
@@ -119,7 +125,8 @@ class HullGamut:
         high[met] = self._end(origin[met], direction[met], high[met], middle[met])
         inside = still & self.contains(origin) if still.any() else still
         low = np.where(still, np.where(inside, -np.inf, np.inf), low)
-        return low, np.where(still, np.where(inside, np.inf, -np.inf), high)
+        high = np.where(still, np.where(inside, np.inf, -np.inf), high)
+        return Interval(low, high, np.zeros(len(low), dtype=bool))
 
     @property
     def _root(self) -> float:

@@ -1,17 +1,82 @@
 """What every convex gamut of step 4 can be asked, whichever model of the device stands behind it."""
 
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.clipping import Interval, clip_slabs
+from symrt.gamut.device import Device
 from symrt.spectra.bands import Bands
 
-__all__ = ["ClippingGamut", "ConvexGamut", "clip_halfspaces"]
+__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "clip"]
 
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
+UNIT = 2.0**-53
+
+Places = Float[np.ndarray, "pixel slab"]
+
+
+@dataclass(frozen=True, eq=False)
+class Slabs:
+    """Pairs of parallel planes, ``lower <= r A <= upper``, whose intersection is a gamut.
+
+    Parameters
+    ----------
+    matrix
+        A: one column a slab.
+    lower, upper
+        Bounds, infinite where a slab is open.
+    bands
+        The band that each slab bounds alone, -1 where it weighs several.
+    words
+        What each slab bounds: ``"560 nm"``, ``"luminance"``, ``"the monitor's red"``.
+    dark
+        Whether the lower bound is that of a device's black, which no parameter can bring shadows above.
+    extrapolated
+        Whether the device was not measured where the slab bounds it.
+
+    Examples
+    --------
+    >>> none = np.array([False])
+    >>> mean = Slabs(np.full((2, 1), 0.5), np.zeros(1), np.ones(1), np.array([-1]), ("the mean",), none, none)
+    >>> mean.clip(np.array([[0.0, 0.0]]), np.array([[1.0, 3.0]])).high.round(9)
+    array([0.5])
+    """
+
+    matrix: Float[np.ndarray, "band slab"]
+    lower: Float[np.ndarray, " slab"]
+    upper: Float[np.ndarray, " slab"]
+    bands: Int[np.ndarray, " slab"]
+    words: tuple[str, ...]
+    dark: Bool[np.ndarray, " slab"]
+    extrapolated: Bool[np.ndarray, " slab"]
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
+        """The t for which ``origin + t direction`` is inside, whatever the rounding of the products with A.
+
+        Each product is off by a share of what it would be if nothing cancelled.  A first clip says how large t gets;
+        a second one keeps off every bound by as much as the products can be off there.
+        """
+        start, rate = origin @ self.matrix, direction @ self.matrix
+        first = clip_slabs(self.lower, self.upper, start, rate)
+        ends = np.stack([first.low, first.high])
+        far = np.abs(np.where(np.isfinite(ends), ends, 0.0)).max(axis=0)
+        size, growth = np.abs(origin) @ np.abs(self.matrix), np.abs(direction) @ np.abs(self.matrix)
+        off = 4 * (len(self.matrix) + 2) * UNIT * (size + far[:, None] * growth)
+        # A slab that the line does not cross asks for nothing: it was decided by the first clip.
+        still = rate == 0
+        above, below = (np.where(still, start, start + sign * off) for sign in (1.0, -1.0))
+        bounds = np.full(len(self.lower), -np.inf), np.full(len(self.lower), np.inf)
+        return clip_slabs(
+            np.concatenate([bounds[0], self.lower]),
+            np.concatenate([self.upper, bounds[1]]),
+            np.hstack([above, below]),
+            np.hstack([rate, rate]),
+        )
 
 
 @runtime_checkable
@@ -30,6 +95,10 @@ class ConvexGamut(Protocol):
     def bands(self) -> Bands:
         """Wavelengths of its spectra."""
 
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """The printers whose black is the darkest that there is; none for a monitor."""
+
     def under(self, white: Spectrum) -> "ConvexGamut":
         """The same gamut for reflectances against another white."""
 
@@ -45,35 +114,28 @@ class ConvexGamut(Protocol):
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut; ``inf`` where there is none."""
 
+    def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
+        """The t between which ``origin + t direction`` is inside."""
+
 
 @runtime_checkable
-class ClippingGamut(ConvexGamut, Protocol):
-    """A gamut that clips lines itself; those made of slabs are clipped by `symrt.feedback.clip`, certified."""
+class SlabGamut(ConvexGamut, Protocol):
+    """A gamut that pairs of parallel planes bound: ranges and fits ask it for every pixel at once."""
 
-    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
-        """Low and high t between which ``origin + t direction`` is inside; ``inf`` and ``-inf`` where it never is."""
+    @property
+    def slabs(self) -> Slabs:
+        """The pairs of planes."""
 
 
-def clip_halfspaces(
-    normals: Float[np.ndarray, "face band"],
-    offsets: Float[np.ndarray, " face"],
-    origin: PixelBands,
-    direction: PixelBands,
-) -> tuple[PerPixel, PerPixel]:
-    """Clip the line ``origin + t direction`` of every pixel to ``normals r <= offsets``.
+def clip(gamut: ConvexGamut, origin: PixelBands, direction: PixelBands) -> Interval:
+    """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
 
     Examples
     --------
-    >>> clip_halfspaces(np.array([[1.0], [-1.0]]), np.array([2.0, 0.0]), np.array([[1.0]]), np.array([[0.5]]))
-    (array([-2.]), array([2.]))
+    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)
+    array([1.8])
     """
-    room = offsets - origin @ normals.T
-    rate = direction @ normals.T
-    # A line along a face never crosses it: the face allows all of the line or none.
-    along = np.abs(rate) <= ROUNDING * np.abs(rate).max(axis=1, keepdims=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = room / rate
-    low = np.where(~along & (rate < 0), crossing, -np.inf).max(axis=1)
-    high = np.where(~along & (rate > 0), crossing, np.inf).min(axis=1)
-    never = (along & (room < -ROUNDING)).any(axis=1) | (low > high)
-    return np.where(never, np.inf, low), np.where(never, -np.inf, high)
+    return gamut.clip(origin, direction)

@@ -18,8 +18,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.clipping import Interval
 from symrt.gamut.colorimetry import tristimulus
-from symrt.gamut.interface import ROUNDING, clip_halfspaces
+from symrt.gamut.device import Device
+from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.library import display_primaries
@@ -105,6 +107,11 @@ class MonitorGamut:
         """Wavelengths of its spectra."""
         return self.monitor.bands
 
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """None: a monitor's black is black."""
+        return ()
+
     def under(self, white: Spectrum) -> "MonitorGamut":
         """The same gamut for reflectances against a white, whose luminance is the monitor's white's."""
         luminance = float(white @ _tristimulus(self.bands)[:, 1])
@@ -139,10 +146,17 @@ class MonitorGamut:
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
         return np.where(decided, along.clip(min=0).sum(axis=1), np.inf)
 
-    def clip(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
-        """Low and high t between which the colour of ``origin + t direction`` is shown."""
-        normals = np.vstack([self.drive, -self.drive])
-        return clip_halfspaces(normals, np.array([1.0, 1, 1, 0, 0, 0]), origin, direction)
+    @property
+    def slabs(self) -> Slabs:
+        """A slab for the drive value of each primary."""
+        bands = np.arange(3) if self.bands.kind == "rgb" else np.full(3, -1)
+        words = tuple(f"the monitor's {primary}" for primary in ("red", "green", "blue"))
+        no = np.zeros(3, dtype=bool)
+        return Slabs(self.drive.T, np.full(3, -ROUNDING), np.full(3, 1 + ROUNDING), bands, words, no, no)
+
+    def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
+        """The t for which the colour of ``origin + t direction`` is shown."""
+        return self.slabs.clip(origin, direction)
 
     def __repr__(self) -> str:
         return f"MonitorGamut({self.name}; inside is {self.label})"

@@ -75,6 +75,11 @@ class InkGamut:
         """Wavelengths of its spectra."""
         return self.device.bands
 
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """The printer."""
+        return (self.device,)
+
     def under(self, white: Float[np.ndarray, " band"]) -> "InkGamut":  # noqa: ARG002 -- what every gamut can be asked
         """The same: what a device prints does not depend on the light."""
         return self

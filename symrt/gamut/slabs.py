@@ -15,7 +15,9 @@ from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
 from symrt.gamut.basis import Basis, uniform_first
+from symrt.gamut.clipping import INWARD, Interval, clip_slabs
 from symrt.gamut.device import Device
+from symrt.gamut.interface import Slabs
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
@@ -76,10 +78,28 @@ class Gamut:
         """Wavelengths of its spectra."""
         return self.device.bands
 
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """The printer."""
+        return (self.device,)
+
     @cached_property
     def basis(self) -> Basis:
         """The device's basis, constant spectrum first."""
         return uniform_first(self.device.samples)
+
+    @property
+    def slabs(self) -> Slabs:
+        """A slab for each band, and one for the luminance if that of black is kept."""
+        count = len(self.bands)
+        matrix, lower, upper = np.eye(count), self.lower, self.upper
+        words, extrapolated = tuple(self.bands.labels), self.device.extrapolated
+        if self.weights is not None:
+            matrix = np.column_stack([matrix, self.weights])
+            lower, upper = np.append(lower, self.blackest), np.append(upper, np.inf)
+            words, extrapolated = (*words, "luminance"), np.append(extrapolated, False)
+        bands = np.where(np.arange(len(words)) < count, np.arange(len(words)), -1)
+        return Slabs(matrix, lower, upper, bands, words, np.full(len(words), self.black != "clip"), extrapolated)
 
     @property
     def blackest(self) -> float:
@@ -102,6 +122,16 @@ class Gamut:
         """How far each spectrum is outside in its worst band, or in luminance; 0 inside."""
         worst = np.maximum(self.lower - spectra, spectra - self.upper).max(axis=1).clip(min=0.0)
         return worst if self.weights is None else np.maximum(worst, self.blackest - spectra @ self.weights)
+
+    def clip(self, origin: Spectra, direction: Spectra) -> Interval:
+        """The t for which ``origin + t direction`` is inside, certified."""
+        lower, upper = self.lower, self.upper
+        if self.weights is not None:
+            lower, upper = np.append(lower, self.blackest), np.append(upper, np.inf)
+            # The product is only as good as its rounding: the bound moves inwards by as much.
+            lower[-1] *= 1 + len(upper) * INWARD
+            origin, direction = (np.column_stack([v, v @ self.weights]) for v in (origin, direction))
+        return clip_slabs(lower, upper, origin, direction)
 
     def support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
         """The largest inner product of each direction with a spectrum of the gamut.

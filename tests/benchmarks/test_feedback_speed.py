@@ -5,7 +5,7 @@ import pytest
 from benchmarks.pairs import ratio
 
 import symrt as rt
-from symrt.feedback.clipping import clip_slabs
+from symrt.gamut.clipping import clip_slabs
 
 pytestmark = pytest.mark.benchmark
 

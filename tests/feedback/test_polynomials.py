@@ -7,8 +7,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from symrt.feedback.clipping import clip_slabs
 from symrt.feedback.polynomials import highest, lowest, spans_inside
+from symrt.gamut.clipping import clip_slabs
 
 PIXELS = 150
 UNIT = Fraction(1, 2**53)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize, nnls
 
-from symrt.feedback.clipping import clip
 from symrt.gamut import ConvexGamut, Device, device_gamut, load_device
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut
+from symrt.gamut.interface import clip
 from symrt.gamut.mixtures import _by_corrals, nearest_mixtures
 from symrt.spectra.bands import RGB, wavelengths
 
@@ -172,8 +172,8 @@ def test_hull_clip_agrees_with_a_linear_programme(device):
     draw = np.random.default_rng(5)
     inside = draw.dirichlet(np.full(len(device.samples), 0.02), 15) @ device.samples
     direction = draw.normal(0, 1, inside.shape)
-    low, high = bare.clip(inside, direction)
-    for o, d, a, b in zip(inside, direction, low, high, strict=True):
+    found = bare.clip(inside, direction)
+    for o, d, a, b in zip(inside, direction, found.low, found.high, strict=True):
         equal = np.vstack([np.column_stack([device.samples.T, -d]), np.append(np.ones(len(device.samples)), 0)])
         limits = [(0, None)] * len(device.samples) + [(None, None)]
         ends = [
@@ -187,9 +187,9 @@ def test_hull_clip_agrees_with_a_linear_programme(device):
 
 def test_a_line_that_stands_still_is_inside_or_not(hull, device):
     origin = np.vstack([device.samples[5], np.ones(7) * 1.2])
-    low, high = hull.clip(origin, np.zeros((2, 7)))
-    assert low.tolist() == [-np.inf, np.inf]
-    assert high.tolist() == [np.inf, -np.inf]
+    found = hull.clip(origin, np.zeros((2, 7)))
+    assert found.low.tolist() == [-np.inf, np.inf]
+    assert found.high.tolist() == [np.inf, -np.inf]
 
 
 def test_support_is_reached_by_no_point_and_by_one(hull):

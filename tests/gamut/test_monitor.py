@@ -91,8 +91,8 @@ def test_nearest_is_inside_and_no_other_optimiser_comes_nearer(gamut):
 
 def test_clip_agrees_with_a_linear_programme(gamut):
     origin, direction = draws(gamut, 20), DRAW.normal(0, 1, (20, len(gamut.bands)))
-    low, high = gamut.clip(origin, direction)
-    for o, d, a, b in zip(origin, direction, low, high, strict=True):
+    found = gamut.clip(origin, direction)
+    for o, d, a, b in zip(origin, direction, found.low, found.high, strict=True):
         rate, start = gamut.drive @ d, gamut.drive @ o
         rows, bounds = np.concatenate([rate, -rate])[:, None], np.concatenate([1 - start, start])
         ends = [linprog([sign], rows, bounds, bounds=[(None, None)]) for sign in (1, -1)]
@@ -102,7 +102,7 @@ def test_clip_agrees_with_a_linear_programme(gamut):
         assert (a, b) == pytest.approx((ends[0].x[0], ends[1].x[0]), rel=1e-9, abs=1e-12)
         for t in (a, b):
             point = (o + t * d)[None]
-            assert gamut.violation(point)[0] < 1e-12
+            assert gamut.violation(point)[0] <= 1e-12
             assert not gamut.contains(point + 1e-6 * np.sign(t - (a + b) / 2) * d)[0]
 
 

@@ -1,4 +1,4 @@
-"""Clip lines to slabs, certified: step 5 of the paper, the algorithm of Liang and Barsky in any dimension.
+"""Clip lines to slabs, certified: what step 5 of the paper asks of a gamut, by Liang and Barsky in any dimension.
 
 Changing one parameter ``t`` moves a pixel along ``origin + t direction``.  A slab ``lower <= r <= upper`` allows the
 ``t`` between ``(lower - origin) / direction`` and ``(upper - origin) / direction``, **closed**; where the direction is
@@ -21,10 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.gamut.interface import ClippingGamut
-from symrt.gamut.slabs import Gamut
-
-__all__ = ["Interval", "blocking", "clip", "clip_slabs"]
+__all__ = ["INWARD", "Interval", "blocking", "clip_slabs"]
 
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
@@ -73,31 +70,6 @@ class _Scratch(NamedTuple):
     first: Lines
     near: Lines
     far: Lines
-
-
-def clip(
-    gamut: Gamut | ClippingGamut, origin: Float[np.ndarray, "pixel band"], direction: Float[np.ndarray, "pixel band"]
-) -> Interval:
-    """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
-
-    Examples
-    --------
-    >>> from symrt.gamut.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
-    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
-    >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)
-    array([1.8])
-    """
-    if not isinstance(gamut, Gamut):
-        low, high = gamut.clip(origin, direction)
-        return Interval(low, high, np.zeros(len(origin), dtype=bool))
-    lower, upper = gamut.lower, gamut.upper
-    if gamut.weights is not None:
-        lower, upper = np.append(lower, gamut.blackest), np.append(upper, np.inf)
-        # The product is only as good as its rounding: the bound moves inwards by as much.
-        lower[-1] *= 1 + len(upper) * INWARD
-        origin, direction = (np.column_stack([v, v @ gamut.weights]) for v in (origin, direction))
-    return clip_slabs(lower, upper, origin, direction)
 
 
 def clip_slabs(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> Interval:

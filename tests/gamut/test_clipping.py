@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.feedback.clipping import blocking, clip, clip_slabs
+from symrt.gamut.clipping import blocking, clip_slabs
 from symrt.gamut.inks import load_device
+from symrt.gamut.interface import clip
 from symrt.gamut.slabs import device_gamut
 
 UNIT = Fraction(1, 2**53)
