@@ -1,20 +1,17 @@
 """Systems in files: what was rendered once is kept, bit for bit (between steps 2 and 3)."""
 
-import json
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
+from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 
 __all__ = ["load_system", "save_system"]
 
-FORMAT = "symrt-system"
-VERSION = 1
+KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
 LARGEST_MEMBER = 8 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
 
@@ -35,8 +32,6 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     """
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
-        "format": FORMAT,
-        "version": VERSION,
         "height": int(system.height),
         "width": int(system.width),
         "interactions": [[i.light, list(i.met), [list(n) for n in i.nodes]] for i in system.interactions],
@@ -47,21 +42,14 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
         "parameters": [[n.parameter, n.low.hex(), n.high.hex(), n.count, n.scale] for n in system.parameters.values()],
         "seconds": dict(system.seconds),
     }
-    arrays = {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)}
+    arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
             f"{name}_data": matrix.data,
             f"{name}_indices": matrix.indices.astype(np.int32),
             f"{name}_indptr": matrix.indptr.astype(np.int64),
         }
-    path = Path(path)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **arrays)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_archive(path, KIND, header, arrays)
 
 
 def load_system(path: str | Path) -> LinearSystem:
@@ -78,8 +66,8 @@ def load_system(path: str | Path) -> LinearSystem:
     Traceback (most recent call last):
     ValueError: missing.npz: no such file; save a system with save_system first
     """
-    arrays, header = _read(Path(path))
-    try:
+    with whole(path, KIND):
+        arrays, header = read_archive(path, KIND, LARGEST_MEMBER)
         interactions = _interactions(header["interactions"])
         tail = None if header["tail"] is None else _interactions(header["tail"])
         reflected = _shares(header["reflected"])
@@ -99,36 +87,7 @@ def load_system(path: str | Path) -> LinearSystem:
             seconds={str(k): float(v) for k, v in header["seconds"].items()},
         )
         _check_nodes(system)
-    except (KeyError, TypeError, AttributeError, ValueError, OverflowError) as error:
-        raise _damaged(Path(path), error) from error
-    return system
-
-
-def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    try:
-        _check_sizes(path)
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        header = json.loads(arrays.pop("header").tobytes())
-    except FileNotFoundError:
-        raise ValueError(f"{path}: no such file; save a system with save_system first") from None
-    except (zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, ValueError, RecursionError) as error:
-        raise _damaged(path, error) from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT or header.get("version") != VERSION:
-        raise ValueError(f"{path}: not a symrt system of version {VERSION}; render the scene and save it again")
-    return arrays, header
-
-
-def _check_sizes(path: Path) -> None:
-    with zipfile.ZipFile(path) as archive:
-        for info in archive.infolist():
-            if info.file_size > LARGEST_MEMBER:
-                raise ValueError(f"{info.filename} claims more than {LARGEST_MEMBER >> 30} GiB and is not read")
-
-
-def _damaged(path: Path, error: Exception) -> ValueError:
-    reason = " ".join(str(error).split())[:200]
-    return ValueError(f"{path}: not a whole symrt system ({reason}); render the scene and save it again")
+        return system
 
 
 def _check_nodes(system: LinearSystem) -> None:

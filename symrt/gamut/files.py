@@ -1,88 +1,73 @@
-"""Keep gamuts in files: one ``.npz`` of arrays, with names and numbers as JSON; nothing in it is executable.
+"""Keep gamuts of every model in files, one documented format: a ``.npz`` of arrays, with names and numbers as JSON.
 
-Beside a header the file holds the arrays ``lower``, ``upper`` and, if the luminance of black is kept, ``weights`` of
-the gamut; ``samples``, ``amounts`` and ``extrapolated`` of its device; and those of its printer, if it has one.
+The header is an object of
+
+``format``, ``version``
+    ``"symrt-gamut"``, 2.
+``devices``
+    The printers and monitors, each once: their kind, name, title, provenance and bands (kind, and centres); for a
+    printer its inks, whether its prints are modelled, and its forward model or null: kind, inks and numbers.
+``gamuts``
+    Model, device (its place in the list above) and numbers of each.
+``digest``
+    SHA-256 over the header without it, with sorted keys, then the name, type, shape and bytes of each array, by name.
+
+Numbers are hexadecimal text, as `float.hex` writes them.  Arrays are ``device0_samples``, ``device0_printer_gain``,
+``gamut0_upper`` …: which there are, and their axes, `symrt.gamut.records` says in one table.
 """
 
-import dataclasses
+import hashlib
 import json
-import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from symrt.gamut.charts import DAMAGE
-from symrt.gamut.device import Device, Printer
-from symrt.gamut.dyes import Dyes
-from symrt.gamut.halftone import Halftone
-from symrt.gamut.slabs import Gamut
-from symrt.spectra.bands import Bands
+from symrt.archives import Kind, read_archive, whole, write_archive
+from symrt.gamut.device import Device
+from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.monitor import Monitor, MonitorGamut
+from symrt.gamut.records import Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
 
 __all__ = ["load_gamut", "save_gamut"]
 
-FORMAT = "symrt-gamut"
-VERSION = 1
+KIND = Kind("gamut", 2, "save a gamut with save_gamut first", "save it again with save_gamut")
 LARGEST_MEMBER = 1 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
-ARRAYS = ("samples", "amounts", "extrapolated")
-TEXTS = ("name", "title", "provenance")
-OF_PRINTER = "printer_"
-PRINTERS: dict[str, type[Printer]] = {"dyes": Dyes, "halftone": Halftone}
 
 
-def save_gamut(path: str | Path, gamut: Gamut) -> None:
-    """Write a gamut, with its device, to one ``.npz`` file, which appears whole or not at all.
+def save_gamut(path: str | Path, gamut: AnyGamut) -> None:
+    """Write a gamut of any model, with its device, to one ``.npz`` file, which appears whole or not at all.
+
+    Raises
+    ------
+    ValueError
+        If the gamut, or the model of its printer, is of a kind that files do not hold.
 
     Examples
     --------
     >>> import tempfile
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> from symrt.gamut.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_gamut(Path(folder) / "endura.npz", device_gamut(load_device("dye3-endura-premier"), "envelope"))
     ...     load_gamut(Path(folder) / "endura.npz").name
     'envelope of dye3-endura-premier, black clipped'
     """
-    device = gamut.device
-    header = {
-        "format": FORMAT,
-        "version": VERSION,
-        "model": gamut.model,
-        "black": gamut.black,
-        "bands": [float(centre).hex() for centre in device.bands.centres],
-        "kind": device.bands.kind,
-        "modelled": device.modelled,
-        "inks": device.inks,
-        **{name: getattr(device, name) for name in TEXTS},
+    arrays: Arrays = {}
+    header: Header = {
+        "devices": [record_of_device(_device(gamut), "device0_", arrays)],
+        "gamuts": [record_of_gamut(gamut, 0, "gamut0_", arrays)],
     }
-    arrays = {name: getattr(device, name) for name in ARRAYS} | {"lower": gamut.lower, "upper": gamut.upper}
-    for kind, model in PRINTERS.items():
-        if isinstance(device.printer, model):
-            numbers, more = _parts(device.printer)
-            header |= {"printer": kind, "numbers": numbers, "printer_inks": device.printer.inks}
-            arrays |= more
-    if gamut.weights is not None:
-        arrays["weights"] = gamut.weights
-    path = Path(path)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez_compressed(
-                file, allow_pickle=False, header=np.frombuffer(json.dumps(header).encode(), dtype=np.uint8), **arrays
-            )
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_archive(path, KIND, header | {"digest": _digest(header, arrays)}, arrays)
 
 
-def load_gamut(path: str | Path) -> Gamut:
-    """Read a gamut that `save_gamut` wrote, bit for bit.
+def load_gamut(path: str | Path) -> AnyGamut:
+    """Read a gamut that `save_gamut` wrote: it answers like the one that was saved, bit for bit.
 
     Raises
     ------
     ValueError
-        If the file is not such a gamut, is truncated, or its parts contradict each other.
+        In one line, if the file is not such a gamut, is truncated or was changed, or its parts contradict each other.
 
     Examples
     --------
@@ -90,72 +75,27 @@ def load_gamut(path: str | Path) -> Gamut:
     Traceback (most recent call last):
     ValueError: missing.npz: no such file; save a gamut with save_gamut first
     """
-    path = Path(path)
-    try:
-        arrays, header = _read(path)
-        return _gamut(arrays, header)
-    except FileNotFoundError:
-        raise ValueError(f"{path}: no such file; save a gamut with save_gamut first") from None
-    except (*DAMAGE, TypeError, AttributeError, ValueError) as error:
-        raise ValueError(f"{path}: not a whole symrt gamut ({error}); save it again with save_gamut") from error
+    with whole(path, KIND):
+        arrays, header = read_archive(path, KIND, LARGEST_MEMBER)
+        kept = {name: header[name] for name in ("devices", "gamuts")}
+        if header["digest"] != _digest(kept, arrays):
+            raise ValueError("it was changed after it was saved: its digest is another")
+        devices = [device_of(record, f"device{i}_", arrays) for i, record in enumerate(kept["devices"])]
+        gamuts = [gamut_of(record, devices, f"gamut{i}_", arrays) for i, record in enumerate(kept["gamuts"])]
+        if len(gamuts) != 1:
+            raise ValueError(f"it holds {len(gamuts)} gamuts, not one")
+        if arrays:
+            raise ValueError(f"{min(arrays)} belongs to nothing")
+        return gamuts[0]
 
 
-def _read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    with zipfile.ZipFile(path) as archive:
-        too_large = [info.filename for info in archive.infolist() if info.file_size > LARGEST_MEMBER]
-    if too_large:
-        raise ValueError(f"{too_large[0]} claims more than {LARGEST_MEMBER >> 30} GiB")
-    with np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
-    header = json.loads(arrays.pop("header").tobytes())
-    if not isinstance(header, dict) or header.get("format") != FORMAT or header.get("version") != VERSION:
-        raise ValueError(f"not of version {VERSION}")
-    return arrays, header
+def _device(gamut: AnyGamut) -> Device | Monitor:
+    return gamut.monitor if isinstance(gamut, MonitorGamut) else gamut.device
 
 
-def _gamut(arrays: dict[str, np.ndarray], header: dict[str, Any]) -> Gamut:
-    bands = Bands(tuple(float.fromhex(c) for c in header["bands"]), header["kind"])
-    _check_arrays(arrays, len(bands))
-    if header["model"] not in ("unit", "envelope") or header["black"] not in ("clip", "luminance", "strict"):
-        raise ValueError(f"model {header['model']!r} or black {header['black']!r} is unknown")
-    if (header["black"] == "luminance") != ("weights" in arrays):
-        raise ValueError("weights of luminance belong to black='luminance' and to nothing else")
-    device: dict[str, Any] = {name: arrays[name] for name in ARRAYS}
-    device |= {name: str(header[name]) for name in TEXTS} | {"inks": tuple(map(str, header["inks"]))}
-    printer = _printer(arrays, header, bands) if "printer" in header else None
-    return Gamut(
-        model=header["model"],
-        black=header["black"],
-        device=Device(bands=bands, modelled=bool(header["modelled"]), printer=printer, **device),
-        lower=arrays["lower"],
-        upper=arrays["upper"],
-        weights=arrays.get("weights"),
-    )
-
-
-def _parts(printer: Any) -> tuple[dict[str, str], dict[str, np.ndarray]]:
-    """Numbers and arrays of a printer's record, but for bands and inks, which the header holds."""
-    values = {f.name: getattr(printer, f.name) for f in dataclasses.fields(printer) if f.name not in ("bands", "inks")}
-    arrays = {f"{OF_PRINTER}{name}": value for name, value in values.items() if isinstance(value, np.ndarray)}
-    return {name: float(value).hex() for name, value in values.items() if f"{OF_PRINTER}{name}" not in arrays}, arrays
-
-
-def _printer(arrays: dict[str, np.ndarray], header: dict[str, Any], bands: Bands) -> Printer:
-    values: dict[str, Any] = {name: float.fromhex(value) for name, value in header["numbers"].items()}
-    values |= {n.removeprefix(OF_PRINTER): array for n, array in arrays.items() if n.startswith(OF_PRINTER)}
-    model: Any = PRINTERS[header["printer"]]
-    return model(bands=bands, inks=tuple(map(str, header["printer_inks"])), **values)
-
-
-def _check_arrays(arrays: dict[str, np.ndarray], bands: int) -> None:
-    for name, array in arrays.items():
-        if array.dtype != (np.bool_ if name == "extrapolated" else np.float64) or not np.all(np.isfinite(array)):
-            raise ValueError(f"{name} does not hold finite float64 numbers")
-    prints = len(arrays["samples"])
-    one_a_band = ("lower", "upper", "extrapolated", "weights")
-    shapes = {"samples": (prints, bands)} | dict.fromkeys(one_a_band, (bands,))
-    for name, shape in shapes.items():
-        if name in arrays and arrays[name].shape != shape:
-            raise ValueError(f"{name} is {arrays[name].shape}, not {shape}")
-    if prints == 0 or not np.all(arrays["lower"] <= arrays["upper"]):
-        raise ValueError("there are no prints, or a lower bound is above the upper one")
+def _digest(header: Header, arrays: Arrays) -> str:
+    found = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
+    for name, array in sorted(arrays.items()):
+        found.update(f"\n{name} {array.dtype.str} {array.shape}\n".encode())
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
@@ -93,51 +92,6 @@ def test_coordinate_of_the_neutral_axis_runs_from_0_to_6(device):
     axis = gamut.basis.vectors[:1]
     assert gamut.support(axis)[0] == pytest.approx(6, abs=4 * np.spacing(6.0))
     assert gamut.support(-axis)[0] == 0
-
-
-def test_saved_gamuts_come_back_bit_for_bit(device, tmp_path):
-    for model, black in MODELS:
-        gamut = device_gamut(device, model, black)
-        save_gamut(tmp_path / "gamut.npz", gamut)
-        again = load_gamut(tmp_path / "gamut.npz")
-        assert (again.name, repr(again.device), again.bands) == (gamut.name, repr(device), gamut.bands)
-        for name in ("lower", "upper", "weights"):
-            np.testing.assert_array_equal(getattr(again, name), getattr(gamut, name))
-        for name in ("samples", "amounts", "inks", "extrapolated", "provenance"):
-            np.testing.assert_array_equal(getattr(again.device, name), getattr(device, name))
-        for name in ("bands", "inks", "densities", "most", "paper", "surface"):
-            np.testing.assert_array_equal(getattr(again.device.printer, name), getattr(device.printer, name))
-    assert [p.name for p in tmp_path.iterdir()] == ["gamut.npz"]
-
-
-def test_damaged_files_are_refused_in_one_line(device, tmp_path):
-    path = tmp_path / "gamut.npz"
-    save_gamut(path, device_gamut(device))
-    whole = path.read_bytes()
-    arrays = dict(np.load(path))
-    damaged = {
-        "truncated": whole[: len(whole) // 2],
-        "text": b"gamut",
-        "empty": b"",
-    }
-    for content in damaged.values():
-        path.write_bytes(content)
-        with pytest.raises(ValueError, match=r"not a whole symrt gamut .*save it again") as error:
-            load_gamut(path)
-        assert "\n" not in str(error.value)
-    for name, wrong in (
-        ("samples", arrays["samples"][:, :5]),
-        ("lower", arrays["lower"] + 2),
-        ("upper", arrays["upper"] * np.nan),
-        ("amounts", np.array([object()])),
-        ("header", np.frombuffer(b'{"format": "symrt-gamut", "version": 99}', dtype=np.uint8)),
-        ("weights", arrays["upper"]),
-    ):
-        np.savez(path, **(arrays | {name: wrong}))
-        with pytest.raises(ValueError, match="not a whole symrt gamut"):
-            load_gamut(path)
-    with pytest.raises(ValueError, match="no such file"):
-        load_gamut(tmp_path / "none.npz")
 
 
 def test_unknown_models_are_named(device):

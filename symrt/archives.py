@@ -1,0 +1,151 @@
+"""Arrays and a header in one ``.npz`` file: what all files that symrt writes of its own have in common.
+
+A file holds NumPy arrays, and one more, ``header``: JSON in UTF-8, as bytes, with ``format`` and ``version``.  Nothing
+in it is executable.  It appears whole or not at all; and what an array claims to unpack to is looked at before it is
+read.
+"""
+
+import json
+import math
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+__all__ = ["Kind", "read_archive", "whole", "write_archive"]
+
+MOST_MEMBERS = 4096
+"""Arrays that a file may hold."""
+
+HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+"""Readers of what stands before the numbers of an array, by the version of NumPy's format."""
+
+DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, ValueError, RecursionError, TypeError),
+    *(AttributeError, OverflowError, MemoryError, RuntimeError, IndexError),
+)
+"""What comes of reading a file that was cut, changed, or is something else."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    Parameters
+    ----------
+    name
+        What is in it, such as ``"system"``; its format is ``"symrt-system"``.
+    version
+        Of the format; a file of another is refused.
+    first
+        How such a file comes to be, for one that is not there.
+    remedy
+        What to do about one that is damaged.
+    """
+
+    name: str
+    version: int
+    first: str
+    remedy: str
+
+    @property
+    def format(self) -> str:
+        """What the header calls it."""
+        return f"symrt-{self.name}"
+
+
+def write_archive(path: str | Path, kind: Kind, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+    """Write arrays and a header to one file, which appears whole or not at all.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> kind = Kind("grey", 1, "write one first", "write it again")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_archive(Path(folder) / "a.npz", kind, {"name": "half"}, {"values": np.full(2, 0.5)})
+    ...     read_archive(Path(folder) / "a.npz", kind)
+    ({'values': array([0.5, 0.5])}, {'format': 'symrt-grey', 'version': 1, 'name': 'half'})
+    """
+    text = json.dumps({"format": kind.format, "version": kind.version, **header})
+    path = Path(path)
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with partial.open("wb") as file:
+            np.savez_compressed(
+                file, allow_pickle=False, header=np.frombuffer(text.encode(), dtype=np.uint8), **dict(arrays)
+            )
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read_archive(path: str | Path, kind: Kind, largest: int = 1 << 30) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The arrays and the header of a file; any of `DAMAGE` is raised if it is not whole, see `whole`.
+
+    Parameters
+    ----------
+    largest
+        Bytes that one array may unpack to; a file that claims more is refused before it is read.
+    """
+    with zipfile.ZipFile(path) as archive:
+        _check_members(archive, largest)
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    header = json.loads(arrays.pop("header").tobytes())
+    if not isinstance(header, dict) or header.get("format") != kind.format:
+        raise ValueError(f"its header does not say {kind.format!r}")
+    if header.get("version") != kind.version:
+        raise ValueError(f"it is of version {str(header.get('version'))[:20]}, and this symrt reads {kind.version}")
+    return arrays, header
+
+
+@contextmanager
+def whole(path: str | Path, kind: Kind) -> Iterator[None]:
+    """Turn whatever goes wrong while a file is read into one line that names the file and the remedy.
+
+    Examples
+    --------
+    >>> kind = Kind("grey", 1, "write one first", "write it again")
+    >>> with whole("a.npz", kind):
+    ...     read_archive("a.npz", kind)
+    Traceback (most recent call last):
+    ValueError: a.npz: no such file; write one first
+    """
+    try:
+        yield
+    except FileNotFoundError:
+        raise ValueError(f"{path}: no such file; {kind.first}") from None
+    except DAMAGE as error:
+        reason = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) and error.args else str(error)
+        reason = " ".join(reason.split())[:200] or type(error).__name__
+        raise ValueError(f"{path}: not a whole symrt {kind.name} ({reason}); {kind.remedy}") from error
+
+
+def _check_members(archive: zipfile.ZipFile, largest: int) -> None:
+    """Refuse what unpacks to too much, or whose shape claims more or less than there is."""
+    members = archive.infolist()
+    names = [info.filename for info in members]
+    if len(names) > MOST_MEMBERS or len(set(names)) < len(names):
+        raise ValueError(f"{len(names)} arrays, {len(set(names))} names: too many, or one appears twice")
+    for info in members:
+        if info.file_size > largest:
+            raise ValueError(f"{info.filename} claims more than {largest / (1 << 30):.3g} GiB and is not read")
+        with archive.open(info) as file:
+            if _claimed(file) != info.file_size:
+                raise ValueError(f"the shape of {info.filename} is not that of its {info.file_size} bytes")
+
+
+def _claimed(file: BinaryIO | Any) -> int:
+    """Bytes that an array has by its shape and type, with what stands before its numbers."""
+    version = np.lib.format.read_magic(file)
+    if version not in HEADERS:
+        raise ValueError(f"an array of version {version}")
+    shape, _, dtype = HEADERS[version](file)
+    if dtype.hasobject:
+        raise ValueError("an array of objects, which is not read")
+    return file.tell() + math.prod(shape) * dtype.itemsize
