@@ -45,7 +45,10 @@ class Along:
     terms
         The most numbers that are added or multiplied for one coefficient: what bounds its rounding.
     signed
-        Whether some coefficient of G is negative, so that pixels need not be monotone.
+        Whether some coefficient of G, or a weight of what looks at the pixels, is negative, so that they need not be
+        monotone.
+    sizes
+        The parts with all signs dropped, where some are negative: what rounding is a share of.
     """
 
     form: Literal["power", "bernstein"]
@@ -53,6 +56,7 @@ class Along:
     degrees: Int[np.ndarray, " pixel"]
     terms: int
     signed: bool
+    sizes: tuple[tuple[sparse.csr_array, Gamma], ...] = ()
 
     @property
     def degree(self) -> int:
@@ -69,6 +73,15 @@ class Along:
         taken = self._rows(rows)
         return np.stack([taken[id(G)] @ spectra for G, spectra in self.parts])
 
+    def size(self, t: Number, rows: slice) -> float:
+        """The largest sum of magnitudes of some pixels, at any value up to t; 0 where nothing cancels."""
+        if not self.signed:
+            return 0.0
+        sizes = np.stack([G[rows] @ spectra for G, spectra in self.sizes])
+        if self.form == "bernstein":
+            return float(sizes.max(initial=0))
+        return float(np.tensordot(float(t) ** np.arange(len(sizes)), sizes, axes=1).max(initial=0))
+
     def at(self, t: Number, rows: slice = slice(None)) -> Float[np.ndarray, "pixel band"]:
         """The pixels at one value of the parameter."""
         k, degree = np.arange(self.degree + 1), self.degree
@@ -81,11 +94,15 @@ class Along:
         """Some of the pixels, each spectrum times a matrix."""
         taken = self._rows(rows)
         added = int((matrix != 0).sum(axis=0).max(initial=0))
+        signed = self.signed or bool((matrix < 0).any())
+        whole = {key: abs(G) for key, G in taken.items()} if signed else {}
         return replace(
             self,
             parts=tuple((taken[id(G)], spectra @ matrix) for G, spectra in self.parts),
             degrees=self.degrees[rows],
             terms=self.terms + added,
+            signed=signed,
+            sizes=tuple((whole[id(G)], abs(spectra) @ abs(matrix)) for G, spectra in self.parts if signed),
         )
 
     def _rows(self, rows: slice | Int[np.ndarray, " row"]) -> dict[int, sparse.csr_array]:

@@ -21,7 +21,7 @@ from symrt.feedback.convex import Objective, Planes
 from symrt.feedback.filling import Task, lightest
 from symrt.feedback.intervals import inside_at
 from symrt.feedback.joint import Joint, counted_pixels, joint
-from symrt.feedback.limits import limits
+from symrt.feedback.limits import rising_limits
 from symrt.feedback.mapping import certify, task_of
 from symrt.feedback.parameters import Scale
 from symrt.feedback.posynomials import sliders
@@ -95,7 +95,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
-    asked = limits(system, palette, gamut, reference)
+    asked = rising_limits(system, palette, gamut, reference)
     task = task_of(system, palette, asked, scales, within, cap)
     if task.within[0] == task.within[1]:
         raise ValueError(f"within = {within}: a box needs room, low below high")

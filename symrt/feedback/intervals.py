@@ -42,10 +42,11 @@ def intervals(line: Along, bound: Bound, within: tuple[Number, Number], inward: 
 
 def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
     """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
-    lower, upper = _moved(bound.lower, bound.upper, -share * line.terms * ROUNDING, 0.0)
+    error = -share * line.terms * ROUNDING
     inside = np.empty(len(line.degrees), dtype=bool)
     for start in range(0, len(inside), TILE):
         rows = slice(start, start + TILE)
+        lower, upper = _moved(bound.lower, bound.upper, error, error * line.size(t, rows))
         values = line.at(t, rows)
         inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
     return inside
@@ -56,11 +57,13 @@ def certified(final: Along, line: Along, bound: Bound) -> Bool[np.ndarray, " pix
 
     In the others it is enough that the row cannot be told from the boundary.
     """
-    sure = _moved(bound.lower, bound.upper, final.terms * ROUNDING, 0.0)
-    perhaps = _moved(bound.lower, bound.upper, -final.terms * ROUNDING, 0.0)
+    error = final.terms * ROUNDING
     inside = np.empty(len(final.degrees), dtype=bool)
     for start in range(0, len(inside), TILE):
         rows = slice(start, start + TILE)
+        size = final.size(1.0, rows)
+        sure = _moved(bound.lower, bound.upper, error, error * size)
+        perhaps = _moved(bound.lower, bound.upper, -error, -error * size)
         values, moves = final.at(1.0, rows), (line.coefficients(rows)[1:] != 0).any(axis=0)
         lower, upper = (np.where(moves, *pair) for pair in zip(sure, perhaps, strict=True))
         inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
@@ -69,11 +72,11 @@ def certified(final: Along, line: Along, bound: Bound) -> Bool[np.ndarray, " pix
 
 def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number], inward: int) -> Spans:
     c = line.coefficients(rows)
-    rounding, size = line.terms * ROUNDING, float(np.abs(c).max(initial=0)) if line.signed else 0.0
-    if line.form == "bernstein":  # differences are rounded, too
-        size += float(c.max(initial=0)) / line.terms
-    lower, upper = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * size)
-    c = _eased(line, c, bound, (lower, upper), rounding)
+    rounding, size = line.terms * ROUNDING, line.size(max(1.0, within[1]), rows)
+    moved = size + float(np.abs(c).max(initial=0)) / line.terms if line.form == "bernstein" else size
+    # In Bernstein's form differences are rounded, too.
+    lower, upper = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * moved)
+    c = _eased(line, c, _moved(bound.lower, bound.upper, -rounding, -rounding * size), (lower, upper))
     curved = line.degrees[rows] > 1
     if not curved.any():
         return _affine(line, c, (lower, upper), within)
@@ -87,13 +90,12 @@ def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number],
     return Spans(pixel[order], low, high)
 
 
-def _eased(line: Along, c: Powers, bound: Bound, moved: tuple[Slabs, Slabs], rounding: float) -> Powers:
+def _eased(line: Along, c: Powers, wide: tuple[Slabs, Slabs], moved: tuple[Slabs, Slabs]) -> Powers:
     """A slab that t does not move is not asked to keep away from its bounds: what is inside is put where it passes."""
     still = ~(c[1:] != (0.0 if line.form == "power" else c[0])).any(axis=0)
     if not still.any():
         return c
-    lower, upper = _moved(bound.lower, bound.upper, -rounding, 0.0)
-    inside = still & (lower <= c[0]) & (c[0] <= upper)
+    inside = still & (wide[0] <= c[0]) & (c[0] <= wide[1])
     eased = np.where(inside, np.clip(c[0], *moved), c[0])
     return np.concatenate([eased[None], c[1:] if line.form == "power" else np.where(inside, eased, c[1:])])
 

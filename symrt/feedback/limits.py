@@ -2,8 +2,9 @@
 
 Pixels are radiances and gamuts are reflectances, ``r = e · p / w``: w(λ) is the radiance of the reference white, taken
 once from the palette given and then kept, so that a light's scale does change r; e is the exposure.  Two kinds of
-bounds follow.  *Upper* ones hold in every band.  *Dark* ones, if the gamut keeps black, count only for pixels that are
-above black with the palette given, because no parameter lifts the shadows that every picture has.
+bounds follow.  *Upper* ones hold for every pixel: bounds of each band, or both sides of what a monitor or the solid of
+a printer's colours asks of several bands.  *Dark* ones, if the gamut keeps black, count only for pixels that are above
+black with the palette given, because no parameter lifts the shadows that every picture has.
 """
 
 from collections.abc import Sequence
@@ -13,8 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.slabs import Gamut
+from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
@@ -22,10 +22,14 @@ from symrt.spectra.reference import Reference, whites
 from symrt.spectra.shading import tail_bound
 from symrt.system import LinearSystem
 
-__all__ = ["Bound", "Limits", "limits"]
+__all__ = ["Bound", "Limits", "limits", "rising_limits"]
+
+PerSlab = Float[np.ndarray, " slab"]
 
 INVISIBLE = 1e-6
 """Bands in which the reference white has less than this share of its maximum say nothing about reflectance."""
+NEGLIGIBLE = 1e-4
+"""Share of a slab's weights that may lie in bands that the reference white does not light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +41,24 @@ class Bound:
     matrix
         A: one column a slab.
     bands
-        The band that each slab bounds; -1 for luminance.
+        The band that each slab bounds alone; -1 where it weighs several.
+    words
+        What each slab bounds, if it weighs several bands.
+    extrapolated
+        Whether the device was not measured there.
     """
 
     matrix: Float[np.ndarray, "band slab"]
     lower: Float[np.ndarray, " slab"]
     upper: Float[np.ndarray, " slab"]
     bands: Int[np.ndarray, " slab"]
+    words: tuple[str, ...] = ()
+    extrapolated: Bool[np.ndarray, " slab"] | None = None
+
+    @property
+    def signed(self) -> bool:
+        """Whether more light may bring a pixel inside, so that nothing can be said from the lightest image alone."""
+        return bool((self.matrix < 0).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +83,7 @@ class Limits:
         A bound on the reflectance that the depth limit left out of any pixel, and of every result.
     """
 
-    gamut: Gamut
+    gamut: SlabGamut
     upper: Bound
     dark: Bound | None
     luminance: Spectrum
@@ -85,8 +100,7 @@ class Limits:
     @property
     def note(self) -> str:
         """Gamut, reference, exposure, and what is modelled or left out, in words."""
-        device = self.gamut.device
-        modelled = f"; {device.title}" if device.modelled else ""
+        modelled = "".join(f"; {device.title}" for device in self.gamut.devices if device.modelled)
         labels = [label for label, hidden in zip(self.bands.labels, self.masked, strict=True) if hidden]
         masked = f"; not lit and left out: {', '.join(labels)}" if labels else ""
         cut = f"; the depth limit left out at most {self.cut_off:.2g} of a pixel" if self.cut_off else ""
@@ -94,12 +108,13 @@ class Limits:
 
 
 def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Reference | None = None) -> Limits:
-    """The bounds of a gamut on the radiances of a system.
+    """The bounds of a gamut of slabs on the radiances of a system.
 
     Raises
     ------
     ValueError
-        If the gamut has no bounds band by band, the palette is not on its bands, or there is no such reference.
+        If the gamut has no slabs, the palette is not on its bands, the reference leaves bands dark that a slab needs,
+        or there is no such reference.
 
     Examples
     --------
@@ -112,37 +127,58 @@ def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Ref
     >>> asked.upper.matrix[0, 0].item(), asked.reference
     (0.25, 'reference sun, exposure 0.5')
     """
-    if not isinstance(gamut, Gamut):
+    if not isinstance(gamut, SlabGamut):
         raise ValueError(  # noqa: TRY004  # another model of the same device is a bad choice, not another type to a user
-            f"{getattr(gamut, 'name', gamut)}: ranges and fits need bounds in each band; use device_gamut(device, "
-            "'envelope') or 'unit', and report or map_pixels for this one"
+            f"{getattr(gamut, 'name', gamut)}: this needs bounds of every pixel; use device_gamut(device, 'envelope') "
+            "or 'unit'; feasible, report and map_pixels take every gamut"
         )
     if palette.bands != gamut.bands:
         raise ValueError(
-            f"the palette is in {palette.bands!r} and the gamut of {gamut.device.name} in {gamut.bands!r}: use "
-            "palette.on(gamut.bands), or load_device(name, palette.bands)"
+            f"the palette is in {palette.bands!r}, {gamut.name} in {gamut.bands!r}: use palette.on(gamut.bands), or "
+            "load_device(name, palette.bands)"
         )
     reference = reference or Reference()
     name = reference.light or next(iter(whites(system, palette)), "")
     white = reference.white(system, palette)
-    visible = np.flatnonzero(white >= INVISIBLE * white.max())
-    gamut = gamut.under(white)
+    visible = white >= INVISIBLE * white.max()
+    under = gamut.under(white)
     weights = luminance_weights(gamut.bands) * white
     weights = weights / weights.sum()
     shown = np.zeros(len(white))
     shown[visible] = reference.exposure / white[visible]
-    reflected = np.diag(shown)[:, visible]
-    left_out = None if system.tail is None else tail_bound(system.tail, palette)[visible] * shown[visible]
+    slabs = under.slabs
+    left_out = None if system.tail is None else tail_bound(system.tail, palette) * shown
     return Limits(
-        gamut=gamut,
-        upper=Bound(reflected, np.full(len(visible), -np.inf), gamut.upper[visible], visible),
-        dark=_dark(gamut, reflected, visible, shown),
+        gamut=under,
+        upper=_upper(slabs, shown),
+        dark=_dark(slabs, shown),
         luminance=weights * shown,
-        blackest=float((gamut.device.samples @ weights).min()),
-        masked=shown == 0,
+        blackest=max((float((device.samples @ weights).min()) for device in gamut.devices), default=0.0),
+        masked=~visible,
         reference=f"reference {name}, exposure {reference.exposure:g}",
         cut_off=0.0 if left_out is None else float(left_out.max()),
     )
+
+
+def rising_limits(system: LinearSystem, palette: Palette, gamut: object, reference: Reference | None = None) -> Limits:
+    """The same for what needs bounds that a pixel meets once, as it gets lighter.
+
+    Raises
+    ------
+    ValueError
+        As `limits` does, and if a slab weighs some band negatively.
+
+    Examples
+    --------
+    See `limits`.
+    """
+    asked = limits(system, palette, gamut, reference)
+    if asked.upper.signed:
+        raise ValueError(
+            f"{asked.gamut.name}: more light may bring a colour inside as well as out, so that scales cannot be fitted "
+            "together; fit them to the device's envelope, and ask feasible for one parameter at a time"
+        )
+    return asked
 
 
 def white_in_every_band(
@@ -175,12 +211,32 @@ def white_in_every_band(
     return white / reference.exposure
 
 
-def _dark(
-    gamut: Gamut, reflected: Float[np.ndarray, "band slab"], visible: Int[np.ndarray, " slab"], shown: Spectrum
-) -> Bound | None:
-    if gamut.weights is not None:
-        row = (gamut.weights * shown)[:, None]
-        return Bound(row, np.array([gamut.blackest]), np.array([np.inf]), np.array([-1]))
-    if not gamut.lower.any():
-        return None
-    return Bound(reflected, gamut.lower[visible], np.full(len(visible), np.inf), visible)
+def _upper(slabs: Slabs, shown: Spectrum) -> Bound:
+    """Bounds that count for every pixel; a lower one that no sum of light can miss is left out."""
+    idle = slabs.dark | ((slabs.matrix >= 0).all(axis=0) & (slabs.lower <= 0))
+    lower = np.where(idle, -np.inf, slabs.lower)
+    return _bound(slabs, shown, lower, slabs.upper)
+
+
+def _dark(slabs: Slabs, shown: Spectrum) -> Bound | None:
+    lower = np.where(slabs.dark & (slabs.lower > 0), slabs.lower, -np.inf)
+    bound = _bound(slabs, shown, lower, np.full(len(lower), np.inf))
+    return bound if len(bound.bands) else None
+
+
+def _bound(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> Bound:
+    """The slabs that ask for something, of radiances."""
+    weight = np.abs(slabs.matrix)
+    unlit = weight[shown == 0].sum(axis=0) / weight.sum(axis=0)
+    used = (np.isfinite(lower) | np.isfinite(upper)) & ~((slabs.bands >= 0) & (unlit > 0))
+    if (unlit[used] > NEGLIGIBLE).any():
+        word = slabs.words[int(np.flatnonzero(used & (unlit > NEGLIGIBLE))[0])]
+        raise ValueError(f"the reference leaves bands dark that {word} depends on: use Reference('equal-energy')")
+    return Bound(
+        matrix=slabs.matrix[:, used] * shown[:, None],
+        lower=lower[used],
+        upper=upper[used],
+        bands=slabs.bands[used],
+        words=tuple(word for word, taken in zip(slabs.words, used, strict=True) if taken),
+        extrapolated=slabs.extrapolated[used],
+    )

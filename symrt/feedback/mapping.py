@@ -16,7 +16,7 @@ from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.filling import Task
 from symrt.feedback.intervals import certified, inside_at
-from symrt.feedback.limits import Bound, Limits, limits
+from symrt.feedback.limits import Bound, Limits, rising_limits
 from symrt.feedback.objectives import Regions
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
@@ -102,7 +102,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     check_share(allowed_dark, "allowed_dark")
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
-    task = task_of(system, palette, limits(system, palette, gamut, reference), scales, within, cap)
+    task = task_of(system, palette, rising_limits(system, palette, gamut, reference), scales, within, cap)
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")

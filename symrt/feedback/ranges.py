@@ -9,11 +9,12 @@ than allowed are in the way, else it holds for the *rest only*.  Shares are of o
 import time
 from collections.abc import Callable
 from functools import reduce
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Int
 
+from symrt.arrays import Spectrum
 from symrt.feedback.along import Along, along
 from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
@@ -28,10 +29,12 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "reason"]
+__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "nearest_slab", "reason"]
 
 Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
+THIN = 1e-3
+"""A slab whose bounds are all smaller has its distances counted as they are, not as shares."""
 Why = Callable[[End, float], Reason]
 
 
@@ -212,19 +215,23 @@ def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: C
         return Reason("cap", band=capped.band, symbol=capped.symbol)
     bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
     value = line.seen(bound.matrix, np.array([end.pixel])).at(t)[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        nearness = np.where(end.kind == "upper", value / bound.upper, bound.lower / value)
-    band = int(bound.bands[np.nanargmax(nearness)])
+    side, slab = nearest_slab(bound, value)
     y, x = divmod(end.pixel, width)
-    if band < 0:
+    band, word = int(bound.bands[slab]), bound.words[slab]
+    if word == "luminance":
         return Reason("luminance", x=x, y=y)
-    return Reason(
-        side="upper" if end.kind == "upper" else "lower",
-        x=x,
-        y=y,
-        band=asked.bands.labels[band],
-        extrapolated=bool(asked.gamut.device.extrapolated[band]),
-    )
+    guess = bound.extrapolated is not None and bool(bound.extrapolated[slab])
+    if band < 0:
+        return Reason(side, x=x, y=y, of=word, extrapolated=guess)
+    return Reason(side, x=x, y=y, band=asked.bands.labels[band], extrapolated=guess)
+
+
+def nearest_slab(bound: Bound, values: Spectrum) -> tuple[Literal["upper", "lower"], int]:
+    """The slab whose bound is met most nearly, by the room that is left as a share of the bound, and its side."""
+    size = np.maximum(*(np.where(np.isfinite(b), np.abs(b), 0.0) for b in (bound.lower, bound.upper)))
+    room = np.stack([bound.upper - values, values - bound.lower]) / np.where(size > THIN, size, 1.0)
+    side, slab = np.unravel_index(int(room.argmin()), room.shape)
+    return ("upper", "lower")[side], int(slab)
 
 
 def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, float]:

@@ -35,6 +35,8 @@ class Reason:
         Whether the device was not measured in that band.
     symbol
         What would pass 1, for a cap.
+    of
+        What is bounded, where it is no single band: ``"the monitor's red"``.
     """
 
     side: Side
@@ -43,6 +45,7 @@ class Reason:
     band: str | None = None
     extrapolated: bool = False
     symbol: str | None = None
+    of: str | None = None
 
     def __str__(self) -> str:
         if self.side == "range":
@@ -54,7 +57,8 @@ class Reason:
             return f"{self.symbol} would reflect more than it receives at {self.band}"
         if self.side == "luminance":
             return f"pixel ({self.x}, {self.y}) meets the luminance of the device's black"
-        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound at {self.band}{guess}"
+        where = f"at {self.band}" if self.of is None else f"of {self.of}"
+        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound {where}{guess}"
 
 
 @dataclass(frozen=True, eq=False)

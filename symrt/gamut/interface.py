@@ -126,6 +126,9 @@ class SlabGamut(ConvexGamut, Protocol):
     def slabs(self) -> Slabs:
         """The pairs of planes."""
 
+    def under(self, white: Spectrum) -> "SlabGamut":
+        """The same gamut for reflectances against another white."""
+
 
 def clip(gamut: ConvexGamut, origin: PixelBands, direction: PixelBands) -> Interval:
     """Clip the line ``origin + t direction`` of every pixel, in reflectances, to a gamut.
