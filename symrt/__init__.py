@@ -70,6 +70,7 @@ _NAMES = {
         "feasible",
         "fit",
         "map_pixels",
+        "pixels_of",
         "report",
         "safe_box",
         "split",

@@ -104,6 +104,8 @@ BAD_WORDS = [
     ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:red.diffuse"],
     ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--objective", "prettiest"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together", "--allowed-out", "0.1"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together", "--of", "red"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--of", "nothing"],
     ["demo", "--scene", "nosuch"],
     ["demo", "--size", "0"],
 ]
@@ -308,6 +310,15 @@ def test_feasible_answers_as_the_library_does(run, tmp_path, system):
     assert (tmp_path / "ranges.png").stat().st_size > 10_000
     text = run("feasible", "first.npz", *asked)[1]
     assert "reference sun, exposure 1" in text
+
+
+def test_feasible_of_an_object_asks_about_its_pixels_only(run, system):
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--no-cap", "--json"]
+    (whole,), (part,) = (json.loads(run(*words, *more)[1]) for more in ([], ["--of", "red.specular"]))
+    assert part["object pixels"] == rt.pixels_of(system, "red.specular").sum() < whole["object pixels"]
+    assert part["intervals"][-1][1] >= whole["intervals"][-1][1]
+    assert "asked about" in part["note"]
+    assert "asked about" not in whole["note"]
 
 
 def test_blends_are_rendered_with_the_columns_that_they_need(run):

@@ -20,6 +20,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     palettes: option.PaletteFile = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
+    of: option.Of = None,
     together: option.Together = False,
     cap: option.Cap = True,
     device: option.DeviceName = option.DEVICE,
@@ -37,8 +38,8 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     from symrt.explore.tables import box_record, feasible_record  # noqa: PLC0415  # slow, and --help does not need it
 
-    if together and (plot is not None or allowed_out):
-        raise ValueError("--together gives one box for all pixels: leave out --plot and --allowed-out")
+    if together and (plot is not None or allowed_out or of is not None):
+        raise ValueError("--together gives one box for all pixels: leave out --plot, --allowed-out and --of")
     if plot is not None:
         writable(plot, ".png")
     asked = [parameter_of(word) for word in parameter]
@@ -51,7 +52,8 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         box = rt.safe_box(system, spectra, limits, scales, **(options | {"within": within or (0.01, 3.0)}))
         typer.echo(json_text(box_record(box)) if as_json else repr(box))
         return
-    found = [rt.feasible(system, spectra, limits, one, allowed_out=allowed_out, **options) for one in asked]
+    options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
+    found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, limits, seen)
     answers = [feasible_record(one) for one in found]

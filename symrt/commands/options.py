@@ -19,6 +19,7 @@ __all__ = [
     "Models",
     "Monitor",
     "Objective",
+    "Of",
     "PaletteFile",
     "PaletteName",
     "Parameters",
@@ -68,6 +69,7 @@ Parameters = Annotated[
 ]
 Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]
+Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]
 Objective = Annotated[

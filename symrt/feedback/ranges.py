@@ -12,7 +12,7 @@ from functools import reduce
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
 from symrt.feedback.along import Along, along
@@ -22,7 +22,8 @@ from symrt.feedback.limits import Bound, Limits, limits
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
-from symrt.feedback.shares import End, Kind, Piece, curve, pieces, shared, tightest
+from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
+from symrt.feedback.weighing import Weighed, weighed
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -49,6 +50,8 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     allowed_dark: Number = 0.0,
     reference: Reference | None = None,
     cap: bool = True,
+    weights: Float[np.ndarray, "height width"] | None = None,
+    mask: Bool[np.ndarray, "height width"] | None = None,
 ) -> Feasible:
     """The values of a parameter that keep the image inside a gamut, and what stops it beyond them.
 
@@ -66,6 +69,11 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         The white and the exposure that make reflectances of radiances.
     cap
         Whether a material's components may together reflect no more than 1 in any band.
+    weights
+        What each pixel counts in every share, finite and not negative; 0 leaves it out, and without weights all count
+        the same.
+    mask
+        The pixels that are asked about, such as `pixels_of` an object; all if not given.
 
     Raises
     ------
@@ -98,8 +106,9 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     asked = limits(system, palette, gamut, reference)
     line = along(system, palette, parameter)
     now = 0.0 if isinstance(parameter, Blend) else 1.0
-    image = _image(line, asked, np.flatnonzero(system.object_pixels), within, now)
-    budget = int(allowed_out * len(image.objects) + 1e-9) - len(image.outside) - len(image.unfixable)
+    counted = weighed(system, weights, mask)
+    image = _image(line, asked, counted, within, now)
+    budget = counted.allowance(allowed_out, counted.pixels) - counted.sum(image.outside) - counted.sum(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
     symbols = moved_ends(system, palette, parameter).keys()
     capped = physical_cap(palette, symbols) if cap and not isinstance(parameter, Blend) else UNLIMITED
@@ -119,19 +128,19 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         untouched_outside=image.outside,
         unfixable=image.unfixable,
         dark=image.dark,
-        objects=len(image.objects),
+        objects=len(counted.pixels),
         above_one=above_one(moved(system, palette, parameter, found[-1].high), symbols) if found else (),
-        curve=curve(image.spans, image.always, len(image.objects)),
-        note=asked.note,
+        curve=image.curve,
+        note="; ".join(filter(None, [asked.note, counted.note])),
         width=system.width,
         seconds=time.perf_counter() - start,
     )
 
 
 class _Image(NamedTuple):
-    """What each object pixel allows, and those that the parameter cannot help."""
+    """What each pixel asked about allows, and those that the parameter cannot help."""
 
-    objects: Pixels
+    counted: Weighed
     touched: Pixels
     spans: Spans
     outside: Pixels
@@ -139,9 +148,11 @@ class _Image(NamedTuple):
     dark: float
 
     @property
-    def always(self) -> int:
-        """Pixels that are inside whatever the parameter's value."""
-        return len(self.objects) - len(self.touched) - len(self.outside)
+    def curve(self) -> Curve:
+        """The share outside at every value; pixels inside whatever the value are neither touched nor outside."""
+        whole = self.counted.sum(self.counted.pixels)
+        always = whole - self.counted.sum(self.touched) - self.counted.sum(self.outside)
+        return curve(self.spans, always, whole, _weights(self.counted, self.spans))
 
 
 class _Constraint(NamedTuple):
@@ -151,50 +162,58 @@ class _Constraint(NamedTuple):
     tightest: Piece
 
 
-def _image(line: Along, asked: Limits, objects: Pixels, within: Range, now: float) -> _Image:
-    bound = asked.upper
+def _image(line: Along, asked: Limits, counted: Weighed, within: Range, now: float) -> _Image:
+    bound, objects = asked.upper, counted.pixels
     touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
     found = intervals(line.seen(bound.matrix, touched), bound, within)
     return _Image(
-        objects=objects,
+        counted=counted,
         touched=touched,
         spans=found._replace(pixel=touched[found.pixel]),
         outside=untouched[~inside_at(line.seen(bound.matrix, untouched), bound, 0.0)],
         unfixable=np.delete(touched, np.unique(found.pixel)),
-        dark=dark_share(line, asked, objects, now),
+        dark=dark_share(line, asked, objects, now, counted.weights),
     )
 
 
-def dark_share(line: Along, asked: Limits, objects: Pixels, t: float) -> float:
-    """Share of the object pixels that are darker than the device's black at t."""
+def dark_share(
+    line: Along, asked: Limits, objects: Pixels, t: float, weights: Int[np.ndarray, " _"] | None = None
+) -> float:
+    """Share of the object pixels that are darker than the device's black at t, by their weights if given."""
     black = Bound(asked.luminance[:, None], np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
     darker = inside_at(line.seen(black.matrix, objects), black, t, -1.0)
-    return float(darker.mean()) if len(objects) else 0.0
+    if not len(objects):
+        return 0.0
+    return float(darker.mean()) if weights is None else float(weights[darker].sum() / weights.sum())
 
 
 def _upper(image: _Image, within: Range, budget: int) -> _Constraint:
-    fixable = len(image.touched) - len(image.unfixable)
-    return _constraint(image.spans, within, fixable - max(0, budget), "upper")
+    fixable = image.counted.sum(image.touched) - image.counted.sum(image.unfixable)
+    return _constraint(image.spans, within, fixable - max(0, budget), "upper", image.counted)
 
 
 def _dark(line: Along, asked: Limits, image: _Image, within: Range, allowed: Number, now: float) -> list[_Constraint]:
     """The values at which no more than the share allowed of the pixels above black have fallen below."""
     if asked.dark is None:
         return []
-    bound, objects = asked.dark, image.objects
-    counted = objects[inside_at(line.seen(bound.matrix, objects), bound, now)]
-    touched = counted[line.touched[counted]]
+    bound, objects = asked.dark, image.counted.pixels
+    lit = objects[inside_at(line.seen(bound.matrix, objects), bound, now)]
+    touched = lit[line.touched[lit]]
     found = intervals(line.seen(bound.matrix, touched), bound, within)
-    needed = len(touched) - int(allowed * len(counted) + 1e-9)
-    return [_constraint(found._replace(pixel=touched[found.pixel]), within, needed, "dark")]
+    needed = image.counted.sum(touched) - image.counted.allowance(allowed, lit)
+    return [_constraint(found._replace(pixel=touched[found.pixel]), within, needed, "dark", image.counted)]
 
 
-def _constraint(spans: Spans, within: Range, needed: int, kind: Kind) -> _Constraint:
-    found = pieces(spans, within, needed, kind)
+def _constraint(spans: Spans, within: Range, needed: int, kind: Kind, counted: Weighed) -> _Constraint:
+    found = pieces(spans, within, needed, kind, _weights(counted, spans))
     if found:
         return _Constraint(found, Piece(found[0].low, found[-1].high, found[0].below, found[-1].above))
     whole = Piece(within[0], within[1], End("range"), End("range"))
     return _Constraint(found, tightest(spans, kind) if len(spans.pixel) else whole)
+
+
+def _weights(counted: Weighed, spans: Spans) -> Int[np.ndarray, " _"] | None:
+    return None if counted.weights is None else counted.of(spans.pixel)
 
 
 def _alone(piece: Piece) -> _Constraint:

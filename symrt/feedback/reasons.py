@@ -87,7 +87,7 @@ class Feasible:
     dark
         Share of the object pixels that are darker than the device's black with the palette given.
     objects
-        Number of object pixels, those that light reaches.
+        Number of object pixels asked about, those that light reaches.
     above_one
         Materials whose scaled components together pass 1 at the highest value found.
     curve

@@ -4,18 +4,20 @@ The paper, §5: "clipping can be applied to force all pixels in-gamut, or some p
 allowed".  The sweep gives the whole curve, and from it the values, perhaps in several pieces, that keep enough inside.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.polynomials import Spans
 from symrt.spectra.bands import Number
 
-__all__ = ["Curve", "End", "Kind", "Piece", "curve", "pieces", "shared", "tightest"]
+__all__ = ["Curve", "End", "Kind", "Piece", "Steps", "curve", "pieces", "shared", "tightest"]
 
 Kind = Literal["upper", "dark", "range", "cap"]
+Weights = Int[np.ndarray, " span"] | None
 
 
 class End(NamedTuple):
@@ -34,38 +36,55 @@ class Piece(NamedTuple):
     above: End
 
 
+class Steps(NamedTuple):
+    """Values in rising order, and what all up to each count together; just their number if each counts 1."""
+
+    values: Float[np.ndarray, " step"]
+    sums: Int[np.ndarray, " step"] | None = None
+
+    def up_to(self, t: Float[np.ndarray, " value"], *, before: bool = False) -> Int[np.ndarray, " value"]:
+        """What the values up to each t count, or those before it."""
+        count = np.searchsorted(self.values, t, side="left" if before else "right")
+        return count if self.sums is None else np.append(0, self.sums)[count]
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """Share of the object pixels that are outside, as a function of t.
 
     Parameters
     ----------
-    low, high
-        All beginnings, and all ends, of the intervals in which a pixel is inside, each sorted.
+    begins, ends
+        All beginnings, and all ends, of the intervals in which a pixel is inside.
     always
-        Pixels that are inside throughout.
+        Pixels that are inside throughout, each times its weight.
     pixels
-        Object pixels.
+        Object pixels, each times its weight.
     """
 
-    low: Float[np.ndarray, " span"]
-    high: Float[np.ndarray, " span"]
+    begins: Steps
+    ends: Steps
     always: int
     pixels: int
 
     def outside(self, t: Float[np.ndarray, " value"]) -> Float[np.ndarray, " value"]:
         """The share outside at each t."""
-        inside = np.searchsorted(self.low, t, side="right") - np.searchsorted(self.high, t, side="left")
+        inside = self.begins.up_to(t) - self.ends.up_to(t, before=True)
         return 1 - (inside + self.always) / max(1, self.pixels)
 
     @property
     def values(self) -> Float[np.ndarray, " value"]:
         """The t at which the share changes: enough points to draw it."""
-        return np.unique(np.concatenate([self.low, self.high]))
+        return np.unique(np.concatenate([self.begins.values, self.ends.values]))
 
 
-def curve(spans: Spans, always: int, pixels: int) -> Curve:
+def curve(spans: Spans, always: int, pixels: int, weights: Weights = None) -> Curve:
     """The curve of shares, from the intervals of the pixels that the parameter touches.
+
+    Parameters
+    ----------
+    weights
+        What the pixel of each interval counts, whole numbers; 1 each if not given.
 
     Examples
     --------
@@ -73,11 +92,15 @@ def curve(spans: Spans, always: int, pixels: int) -> Curve:
     >>> curve(spans, always=2, pixels=4).outside(np.array([0.5, 1.0, 1.5, 2.5]))
     array([0.  , 0.  , 0.25, 0.5 ])
     """
-    return Curve(np.sort(spans.low), np.sort(spans.high), always, pixels)
+    return Curve(_steps(spans.low, weights), _steps(spans.high, weights), always, pixels)
 
 
-def pieces(spans: Spans, within: tuple[Number, Number], needed: int, kind: Kind) -> list[Piece]:
-    """The parts of the range in which at least `needed` of the pixels are inside.
+def pieces(
+    spans: Spans, within: tuple[Number, Number], needed: int, kind: Kind, weights: Weights = None
+) -> list[Piece]:
+    """The parts of the range in which at least `needed` of the pixels, by their weights, are inside.
+
+    Intervals are closed: at one t all beginnings come before all ends.
 
     Examples
     --------
@@ -86,24 +109,28 @@ def pieces(spans: Spans, within: tuple[Number, Number], needed: int, kind: Kind)
     [Piece(low=0.5, high=1.0, below=End(kind='upper', pixel=8), above=End(kind='upper', pixel=7))]
     """
     first, last = (float(end) for end in within)
-    throughout = (spans.low == first) & (spans.high == last)
-    pixel, low, high = (column[~throughout] for column in spans)
-    always, count = int(throughout.sum()), len(pixel)
-    # The range's own ends come as events of no pixel, so that every piece begins and ends at an event.
-    t = np.concatenate([[first], low, high, [last]])
-    order_at_one_t = np.repeat([0, 1, 2, 3], [1, count, count, 1])
-    who = np.concatenate([[-1], np.where(low == first, -1, pixel), np.where(high == last, -1, pixel), [-1]])
-    change = np.repeat([always, 1, -1, -always], [1, count, count, 1])
-    # Intervals are closed: at one t all beginnings come before all ends.
-    order = np.lexsort((order_at_one_t, t))
-    enough = np.cumsum(change[order]) >= needed
-    enough[-1] = False
-    before = np.append(False, enough[:-1])
-    begin, end = order[enough & ~before], order[~enough & before]
-    return [
-        Piece(float(t[i]), float(t[j]), _end(kind, int(who[i])), _end(kind, int(who[j])))
-        for i, j in zip(begin, end, strict=True)
+    partly = (spans.low != first) | (spans.high != last)
+    kept = Spans(*(column[partly] for column in spans))
+    always = int((~partly).sum()) if weights is None else int(weights[~partly].sum())
+    weights = None if weights is None else weights[partly]
+    begins, ends = _steps(kept.low, weights), _steps(kept.high, weights)
+    # The range's own ends count as a beginning and an end, so that every piece has both.
+    low, high = np.append(first, begins.values), np.append(ends.values, last)
+    gone = always - ends.up_to(low, before=True)
+    fewer, enough = gone + begins.up_to(low, before=True), gone + begins.up_to(low)
+    starts = (enough >= needed) & ((fewer < needed) | (low == first))
+    come = always + begins.up_to(high)
+    still, left = come - ends.up_to(high, before=True), come - ends.up_to(high)
+    stops = (still >= needed) & ((left < needed) | (high == last))
+    below = [
+        (t, End("range") if t == first else _nth(kind, kept.pixel, kept.low == t, weights, needed - count))
+        for t, count in _different(low[starts], fewer[starts])
     ]
+    above = [
+        (t, End("range") if t == last else _nth(kind, kept.pixel, kept.high == t, weights, count - needed + 1))
+        for t, count in _different(high[stops], still[stops])
+    ]
+    return [Piece(a, b, one, other) for (a, one), (b, other) in zip(below, above, strict=True)]
 
 
 def tightest(spans: Spans, kind: Kind) -> Piece:
@@ -117,8 +144,25 @@ def tightest(spans: Spans, kind: Kind) -> Piece:
     )
 
 
-def _end(kind: Kind, pixel: int) -> End:
-    return End(kind, pixel) if pixel >= 0 else End("range")
+def _steps(values: Float[np.ndarray, " span"], weights: Weights) -> Steps:
+    if weights is None:
+        return Steps(np.sort(values))
+    order = np.argsort(values)
+    return Steps(values[order], np.cumsum(weights[order]))
+
+
+def _different(t: Float[np.ndarray, " value"], count: Int[np.ndarray, " value"]) -> Iterator[tuple[float, int]]:
+    values, first = np.unique(t, return_index=True)
+    return zip(values.tolist(), count[first].tolist(), strict=True)
+
+
+def _nth(
+    kind: Kind, pixel: Int[np.ndarray, " span"], here: Bool[np.ndarray, " span"], weights: Weights, sought: int
+) -> End:
+    """Of the pixels whose intervals begin or end here, the first with which they count as much as is sought."""
+    which = np.flatnonzero(here)
+    sums = np.arange(1, len(which) + 1) if weights is None else np.cumsum(weights[which])
+    return End(kind, int(pixel[which[np.searchsorted(sums, sought)]]))
 
 
 def shared(one: list[Piece], other: list[Piece]) -> list[Piece]:
