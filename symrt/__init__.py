@@ -60,7 +60,17 @@ _NAMES = {
         "wavelengths",
     ],
     # 4: basis and gamut
-    "symrt.gamut": ["Basis", "Device", "Gamut", "device_gamut", "devices", "load_device", "load_gamut", "save_gamut"],
+    "symrt.gamut": [
+        "Basis",
+        "Device",
+        "Gamut",
+        "basis_report",
+        "device_gamut",
+        "devices",
+        "load_device",
+        "load_gamut",
+        "save_gamut",
+    ],
     # 5: feedback
     "symrt.feedback": [
         "Blend",

@@ -84,7 +84,7 @@ BAD_WORDS = [
     ["shade", "missing.npz"],
     ["gamut", "nope"],
     ["gamut", "missing.npz"],
-    ["gamut", "--model", "hull"],
+    ["gamut", "--model", "unitt"],
     ["gamut", "--black", "nope"],
     ["gamut", "--plot", "gamut.gif"],
     ["shade", "first", *SMALL, "--palette", "plain", "--out", "first.npz", "--exposure", "2"],
@@ -268,7 +268,14 @@ def test_gamut_facts_are_the_librarys(run, tmp_path):
     assert record["volume of the slice in 3 components"] < record["volume of the shadow in 3 components"]
     assert rt.load_gamut(tmp_path / "g.npz").name == gamut.name
     assert written(tmp_path) == ["g.npz", "g.png"]
+    assert record["largest ΔE2000, illuminant/D50, plain"] == rt.basis_report(gamut.device).largest_plain[:8].tolist()
     assert "modelled" in run("gamut", "g.npz")[1]
+    for model in ("hull", "inks", "colorimetric"):
+        saved = json.loads(run("gamut", "synthetic-cmyk", "--model", model, "--save", f"{model}.npz", "--json")[1])
+        assert saved == json.loads(run("gamut", f"{model}.npz", "--json")[1])
+    assert "Brainard" in run("gamut", "crt-brainard", "--model", "monitor")[1]
+    code, out, err = run("gamut", "hull.npz", "--plot", "h.png")
+    assert (code, out, err.count("\n")) == (2, "", 1)
     code, out, err = run("gamut", "g.npz", "--model", "unit")
     assert (code, out, err.count("\n")) == (2, "", 1)
 

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -18,7 +18,10 @@ def gamut(
     device: Annotated[
         str, typer.Argument(metavar="DEVICE", help="A device, or a gamut saved as .npz.")
     ] = option.DEVICE,
-    model: option.ModelName = None,
+    model: Annotated[
+        Literal["unit", "envelope", "hull", "inks", "colorimetric", "monitor"] | None,
+        typer.Option("--model", help="Which gamut of the device: the envelope."),
+    ] = None,
     black: option.BlackName = None,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw its shadow and its slice (.png).")] = None,
@@ -34,6 +37,8 @@ def gamut(
     from symrt.explore.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
 
     found = gamut_of(device, model, black)
+    if plot is not None and not hasattr(found, "shadow"):
+        raise ValueError(f"--plot: the {found.name} has no shadow and no slice: draw --model unit or envelope")
     if save is not None:
         rt.save_gamut(save, found)
     if plot is not None:

@@ -8,6 +8,11 @@ from jaxtyping import Int
 
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.gamut.accuracy import basis_report
+from symrt.gamut.basis import uniform_first
+from symrt.gamut.device import Device
+from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
 
 __all__ = ["box_record", "feasible_record", "fit_record", "fits_table", "gamut_facts", "gamut_table", "ranges_table"]
@@ -16,7 +21,7 @@ SHOWN = 8
 """Components whose errors are listed; later ones hardly matter on any device seen."""
 
 
-def gamut_facts(gamut: Gamut) -> dict[str, Any]:
+def gamut_facts(gamut: AnyGamut) -> dict[str, Any]:
     """Facts of a gamut, of its device and of the basis, ready for JSON.
 
     Examples
@@ -26,44 +31,69 @@ def gamut_facts(gamut: Gamut) -> dict[str, Any]:
     >>> facts["bands"], facts["largest c0"], facts["modelled"]
     (36, 5.4, True)
     """
-    device, basis = gamut.device, gamut.basis
-    outside = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
-    return {
+    facts = {
         "gamut": gamut.name,
-        "device": device.title,
-        "modelled": device.modelled,
-        "inside proves": f"{gamut.label} for a print, not sufficient",
-        "prints": len(device.samples),
+        "inside proves": f"{gamut.label} for a print, not sufficient" if isinstance(gamut, Gamut) else gamut.label,
         "bands": len(gamut.bands),
         "first band": gamut.bands.labels[0],
         "last band": gamut.bands.labels[-1],
-        "extrapolated bands": outside,
-        "reflectance of black": float(device.black.min()),
-        "reflectance of white": float(device.white.max()),
-        "every entry of the first component": float(basis.vectors[0, 0]),
-        "largest c0": float(round(basis.vectors[0] @ gamut.upper, 12)),
-        "rank after the first component": basis.rank,
-        "cosine of the free first component with it": basis.cosine,
-        "rms error of k components, constant first": [float(e) for e in basis.rms[:SHOWN]],
-        "rms error of k components, plain": [float(e) for e in basis.rms_plain[:SHOWN]],
-        "volume of the shadow in 3 components": float(gamut.shadow(3).polyhedron().volume),
-        "volume of the slice in 3 components": float(gamut.slice(3).polyhedron().volume),
-        "provenance": device.provenance,
     }
+    if isinstance(gamut, MonitorGamut):
+        return facts | {"device": gamut.monitor.title, "provenance": gamut.monitor.provenance}
+    facts |= _device_facts(gamut.device) | _basis_facts(gamut.device)
+    if isinstance(gamut, Gamut):
+        facts |= {
+            "largest c0": float(round(gamut.basis.vectors[0] @ gamut.upper, 12)),
+            "volume of the shadow in 3 components": float(gamut.shadow(3).polyhedron().volume),
+            "volume of the slice in 3 components": float(gamut.slice(3).polyhedron().volume),
+        }
+    return facts | {"provenance": gamut.device.provenance}
 
 
 def gamut_table(facts: dict[str, Any]) -> str:
-    """The same facts as text, one a line.
+    """The same facts as text, one a line; numbers that belong together stand below each other.
 
     Examples
     --------
-    >>> print(gamut_table({"bands": 36, "modelled": True, "rms": [0.125, 0.01]}))
-    bands     36
-    modelled  yes
-    rms       0.125, 0.01
+    >>> print(gamut_table({"bands": 36, "modelled": True, "components": [1, 2], "rms": [0.125, 0.01]}))
+    bands       36
+    modelled    yes
+    components         1         2
+    rms            0.125      0.01
     """
     width = max(len(name) for name in facts)
-    return "\n".join(f"{name:<{width}}  {_shown(value)}" for name, value in facts.items())
+    return "\n".join(f"{name:<{width}}  {_shown(value)}".rstrip() for name, value in facts.items())
+
+
+def _device_facts(device: Device) -> dict[str, Any]:
+    outside = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
+    return {
+        "device": device.title,
+        "modelled": device.modelled,
+        "prints": len(device.samples),
+        "extrapolated bands": outside,
+        "reflectance of black": float(device.black.min()),
+        "reflectance of white": float(device.white.max()),
+    }
+
+
+def _basis_facts(device: Device) -> dict[str, Any]:
+    errors = basis_report(device)
+    kept = range(min(SHOWN, len(device.bands)))
+    return {
+        "every entry of the first component": float(uniform_first(device.samples).vectors[0, 0]),
+        "rank after the first component": errors.rank,
+        "cosine of the free first component with it": errors.cosine,
+        "components k": [k + 1 for k in kept],
+        "rms error of k components, constant first": [float(errors.rms[k]) for k in kept],
+        "rms error of k components, plain": [float(errors.rms_plain[k]) for k in kept],
+        f"mean ΔE2000, {errors.light}, constant first": [float(errors.mean[k]) for k in kept],
+        f"mean ΔE2000, {errors.light}, plain": [float(errors.mean_plain[k]) for k in kept],
+        f"largest ΔE2000, {errors.light}, constant first": [float(errors.largest[k]) for k in kept],
+        f"largest ΔE2000, {errors.light}, plain": [float(errors.largest_plain[k]) for k in kept],
+        "components for ΔE2000 of 1 at most, constant first": errors.enough()[0],
+        "components for ΔE2000 of 1 at most, plain": errors.enough()[1],
+    }
 
 
 def feasible_record(found: Feasible) -> dict[str, Any]:
@@ -165,6 +195,8 @@ def _places(found: Feasible | Fit | SafeBox, pixels: Int[np.ndarray, " pixel"]) 
 def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, list) and value and not isinstance(value[0], str):
+        return " ".join(f"{_shown(item):>9}" for item in value)
     if isinstance(value, list):
         return ", ".join(_shown(item) for item in value) or "none"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

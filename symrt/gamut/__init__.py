@@ -1,5 +1,6 @@
 """Step 4: a device's spectral basis and gamut."""
 
+from symrt.gamut.accuracy import BasisReport, basis_report
 from symrt.gamut.basis import Basis, uniform_first
 from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
 from symrt.gamut.device import Printer
@@ -16,6 +17,7 @@ from symrt.gamut.slabs import Gamut
 
 __all__ = [
     "Basis",
+    "BasisReport",
     "ColorimetricGamut",
     "ConvexGamut",
     "Device",
@@ -27,6 +29,7 @@ __all__ = [
     "Monitor",
     "MonitorGamut",
     "Printer",
+    "basis_report",
     "colorimetric_gamut",
     "device_gamut",
     "devices",

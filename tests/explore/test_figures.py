@@ -171,7 +171,8 @@ def test_labels_are_spread_as_isotonic_regression_spreads_them():
 
 
 def test_names_on_figures_do_not_overlap_and_stay_on_the_paper(gamut, palette, system, ranges):
-    for name, figure in figures(gamut, palette, system, ranges).items():
+    basis = plots.basis_figure(rt.basis_report(gamut.device))
+    for name, figure in (figures(gamut, palette, system, ranges) | {"basis": basis}).items():
         shown = texts(figure)
         width, height = figure.canvas.get_width_height()
         for text, box in shown:

@@ -4,8 +4,17 @@ Every function returns a matplotlib ``Figure`` and touches none of matplotlib's 
 show it.  Matplotlib is imported nowhere else.
 """
 
+from symrt.explore.plots.basis import basis_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
 from symrt.explore.plots.gamut import gamut_figure, solids_figure
 from symrt.explore.plots.style import png
 
-__all__ = ["curve_figure", "gamut_figure", "out_of_gamut_map", "png", "ranges_figure", "solids_figure"]
+__all__ = [
+    "basis_figure",
+    "curve_figure",
+    "gamut_figure",
+    "out_of_gamut_map",
+    "png",
+    "ranges_figure",
+    "solids_figure",
+]
