@@ -8,6 +8,7 @@ from jaxtyping import Int
 
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.device import Device
@@ -103,6 +104,7 @@ def feasible_record(found: Feasible) -> dict[str, Any]:
         "within": list(found.within),
         "intervals": [list(interval) for interval in found.intervals],
         "reasons": [{"below": _reason(below), "above": _reason(above)} for below, above in found.reasons],
+        "moved by": [{"below": _moves(below), "above": _moves(above)} for below, above in found.sensitivities],
         "verdict": found.verdict,
         "object pixels": found.objects,
         "untouched outside": _places(found, found.untouched_outside),
@@ -186,6 +188,11 @@ def _table(rows: Sequence[tuple[str, ...]]) -> str:
 def _reason(reason: Reason) -> dict[str, Any]:
     keys = ("side", "x", "y", "band", "extrapolated", "symbol")
     return {key: getattr(reason, key) for key in keys} | {"text": str(reason)}
+
+
+def _moves(found: Sequence[Sensitivity]) -> dict[str, float]:
+    """Change of a limit for a small relative change of each other parameter, largest first."""
+    return {str(one.parameter): one.change for one in found}
 
 
 def _places(found: Feasible | Fit | SafeBox, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:

@@ -9,6 +9,7 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.regions import split, with_region
 from symrt.feedback.report import Report, Verdict, report
+from symrt.feedback.sensitivity import Sensitivity
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import clip
@@ -24,6 +25,7 @@ __all__ = [
     "Report",
     "SafeBox",
     "Scale",
+    "Sensitivity",
     "Verdict",
     "clip",
     "feasible",

@@ -4,7 +4,7 @@ A parameter is one number ``t`` that moves some of a palette's spectra along str
 (t = 0) to what the palette gives (t = 1) and beyond, a blend from one material (t = 0) to another (t = 1).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ __all__ = [
     "Parameter",
     "Scale",
     "component_of",
+    "ends_owners",
     "material_of",
     "moved",
     "moved_ends",
@@ -91,6 +92,20 @@ def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> 
         return _blend_ends(system, palette, parameter)
     names = system.lights if isinstance(parameter, Exposure) else scaled_symbols(system, palette, parameter)
     return {name: (np.zeros(len(palette.bands)), palette[name]) for name in names if name in palette}
+
+
+def ends_owners(ends: Collection[str], parameter: Parameter) -> dict[str, tuple[str, str]]:
+    """For each symbol that the parameter moves, whose spectra it has at t = 0 and t = 1.
+
+    Examples
+    --------
+    >>> ends_owners(["sea.diffuse", "sea>ice.mirror"], Blend("sea", "ice"))
+    {'sea.diffuse': ('sea.diffuse', 'ice.diffuse'), 'sea>ice.mirror': ('sea.mirror', 'ice.mirror')}
+    """
+    if not isinstance(parameter, Blend):
+        return {name: (name, name) for name in ends}
+    own, other = parameter.material, parameter.other
+    return {name: (f"{own}.{component_of(name)}", f"{other}.{component_of(name)}") for name in ends}
 
 
 def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from symrt.feedback.limits import Bound, Limits, limits
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
+from symrt.feedback.sensitivity import Sensitivity, sensitivities
 from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
 from symrt.feedback.weighing import Weighed, weighed
 from symrt.gamut.slabs import Gamut
@@ -95,6 +96,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     The scale of sea may be 0.01 … 2.5 to keep the image inside (complete).
     Below 0.01 the range asked for ends; above 2.5 pixel (1, 0) meets the upper bound at 380 nm (where the device's
     data are extrapolated).
+    1 % less sun moves the upper limit by +1 %.
     0.0% of the object pixels are darker than the device's black.
     Against unit gamut (0 … 1), black clipped (necessary; dye-sublimation-like, modelled from the dyes of Kodak
     Professional Endura Premier paper); reference sun, exposure 1.
@@ -118,6 +120,12 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     def why(end: End, t: float) -> Reason:
         return reason(line, asked, end, t, system.width, capped)
 
+    def moves(end: End, t: float) -> tuple[Sensitivity, ...]:
+        if end.pixel < 0:
+            return ()
+        bound, _, slab = met(line, asked, end, t)
+        return sensitivities(system, palette, parameter, t, end.pixel, bound.matrix[:, slab])
+
     return Feasible(
         parameter=parameter,
         within=within,
@@ -133,6 +141,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         curve=image.curve,
         note="; ".join(filter(None, [asked.note, counted.note])),
         width=system.width,
+        sensitivities=tuple((moves(piece.below, piece.low), moves(piece.above, piece.high)) for piece in found),
         seconds=time.perf_counter() - start,
     )
 
@@ -232,9 +241,7 @@ def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: C
         return Reason("range")
     if end.kind == "cap":
         return Reason("cap", band=capped.band, symbol=capped.symbol)
-    bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
-    value = line.seen(bound.matrix, np.array([end.pixel])).at(t)[0]
-    side, slab = nearest_slab(bound, value)
+    bound, side, slab = met(line, asked, end, t)
     y, x = divmod(end.pixel, width)
     band, word = int(bound.bands[slab]), bound.words[slab]
     if word == "luminance":
@@ -243,6 +250,12 @@ def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: C
     if band < 0:
         return Reason(side, x=x, y=y, of=word, extrapolated=guess)
     return Reason(side, x=x, y=y, band=asked.bands.labels[band], extrapolated=guess)
+
+
+def met(line: Along, asked: Limits, end: End, t: float) -> tuple[Bound, Literal["upper", "lower"], int]:
+    """The slab that the pixel at an end meets most nearly at t, and its side."""
+    bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
+    return bound, *nearest_slab(bound, line.seen(bound.matrix, np.array([end.pixel])).at(t)[0])
 
 
 def nearest_slab(bound: Bound, values: Spectrum) -> tuple[Literal["upper", "lower"], int]:

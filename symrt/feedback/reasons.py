@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
-from symrt.feedback.parameters import Parameter
+from symrt.feedback.parameters import Blend, Parameter
+from symrt.feedback.sensitivity import Sensitivity, sentence
 from symrt.feedback.shares import Curve
 from symrt.spectra.palette import Palette
 
@@ -98,6 +99,9 @@ class Feasible:
         Of the image, to turn pixel numbers into places.
     seconds
         Time it took.
+    sensitivities
+        For each interval, how each other light, material and the exposure would move its lower and its upper limit;
+        none where no pixel stops it.
     """
 
     parameter: Parameter
@@ -115,6 +119,7 @@ class Feasible:
     note: str
     width: int
     seconds: float
+    sensitivities: tuple[tuple[tuple[Sensitivity, ...], tuple[Sensitivity, ...]], ...] = ()
 
     @property
     def low(self) -> float | None:
@@ -150,10 +155,13 @@ class Feasible:
         if self.conflict is not None:
             (least, needs), (most, allows) = self.conflict
             return [f"At least {least:.4g} is needed, where {needs}; at most {most:.4g} is allowed, where {allows}."]
-        return [
-            f"Below {low:.4g} {below}; above {high:.4g} {above}."
-            for (low, high), (below, above) in zip(self.intervals, self.reasons, strict=True)
-        ]
+        lines = []
+        moves = self.sensitivities or [((), ())] * len(self.intervals)
+        for (low, high), (below, above), sides in zip(self.intervals, self.reasons, moves, strict=True):
+            lines.append(f"Below {low:.4g} {below}; above {high:.4g} {above}.")
+            named = zip(("lower", "upper"), sides, strict=True)
+            lines += [sentence(side, name, absolute=isinstance(self.parameter, Blend)) for name, side in named]
+        return [line for line in lines if line]
 
     def _exceptions(self) -> list[str]:
         return exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)

@@ -1,0 +1,151 @@
+"""How far each other parameter would move a limit: step 5 of the paper, the dual values of one range.
+
+At the end t of a range some pixel meets some slab, ``F(t, s) = bound``, where s, 1 now, scales a light or a material
+against the same reference white.  So that the pixel stays on the bound, t follows with
+
+    d ln t / d ln s = −(s ∂F/∂s) / (t ∂F/∂t)        (a scale, the exposure)        dt / d ln s        (a blend)
+
+Both derivatives are inner products with the gradient of F by the spectra of the palette, which is taken once.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from symrt.arrays import Spectrum
+from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale, ends_owners, material_of, moved, moved_ends
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.system import LinearSystem
+
+__all__ = ["Sensitivity", "sensitivities", "sentence"]
+
+SHOWN = 3
+"""Parameters that a sentence names."""
+SEEN = 5e-7
+"""Moves smaller than this, in the last of six decimals, are not put into words."""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How another parameter would move a limit.
+
+    Parameters
+    ----------
+    parameter
+        The scale of a light or a material, or the exposure.
+    change
+        Relative change of the limit for a small relative change of that parameter; −1: 1 % more lowers it by 1 %.
+        If the limit is of a blend, its absolute change instead: −0.5: 1 % more lowers it by 0.005.
+    """
+
+    parameter: Scale | Exposure
+    change: float
+
+    @property
+    def name(self) -> str:
+        """The light, the material or the exposure."""
+        return self.parameter.name if isinstance(self.parameter, Scale) else "exposure"
+
+
+def sensitivities(
+    system: LinearSystem, palette: Palette, parameter: Parameter, t: Number, pixel: int, slab: Spectrum
+) -> tuple[Sensitivity, ...]:
+    """How each other parameter would move a limit, largest first; those that would not are left out.
+
+    Parameters
+    ----------
+    t
+        The limit.
+    pixel
+        The pixel that meets a bound there.
+    slab
+        Weights of each band in what is bounded, of any size.
+
+    Returns
+    -------
+    tuple
+        None of them where the pixel only touches the bound, so that t cannot follow.
+
+    Examples
+    --------
+    Half of the light on the pixel is the sun's; if it grows by 1 %, the sea may be 0.5 % lighter at most:
+
+    >>> from scipy import sparse
+    >>> from symrt.spectra.bands import RGB
+    >>> from symrt.system import Interaction
+    >>> columns = (Interaction("sky", ("sea.diffuse",)), Interaction("sun", ("sea.diffuse",)))
+    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, 1, 1, white={"sky": 1.0, "sun": 1.0})
+    >>> palette = Palette(RGB, {"sky": 1, "sun": 1, "sea.diffuse": 0.8})
+    >>> found = sensitivities(system, palette, Scale("sea"), 2.5, pixel=0, slab=np.array([0.0, 1.0, 0.0]))
+    >>> [(one.name, one.change) for one in found]
+    [('exposure', -1.0), ('sky', -0.5), ('sun', -0.5)]
+    """
+    gradient = _gradient(system, moved(system, palette, parameter, t), pixel, slab)
+    spectra = {name: palette[name] for name in gradient if name in palette}
+    ends = moved_ends(system, palette, parameter)
+    owners = ends_owners(ends, parameter)
+    moving = _sum(gradient, {name: last - first for name, (first, last) in ends.items()})
+    if moving == 0:
+        return ()
+    own = frozenset(ends) if not isinstance(parameter, Blend) else frozenset()
+    found = []
+    for other, symbols in _others(system, palette, own).items():
+        still = {name: spectrum for name, spectrum in spectra.items() if name in symbols and name not in ends}
+        for name, (first, last) in ends.items():
+            scaled = [owner in symbols for owner in owners[name]]
+            still[name] = (1 - t) * scaled[0] * first + t * scaled[1] * last
+        change = -_sum(gradient, still) / (moving if isinstance(parameter, Blend) else moving * t)
+        if change != 0:
+            found.append(Sensitivity(other, float(change)))
+    return tuple(sorted(found, key=lambda one: -abs(one.change)))
+
+
+def sentence(found: Collection[Sensitivity], side: str, *, absolute: bool) -> str:
+    """The largest few in words, empty if there are none.
+
+    Examples
+    --------
+    >>> sentence([Sensitivity(Scale("sun"), -0.8), Sensitivity(Exposure(), 0.25)], "upper", absolute=False)
+    '1 % less sun moves the upper limit by +0.8 %, 1 % less exposure by -0.25 %.'
+    """
+    least = SEEN * (100 if absolute else 1)
+    parts = [
+        f"1 % less {one.name}{'' if k else f' moves the {side} limit'} by "
+        + (f"{-one.change / 100:+.3g}" if absolute else f"{-one.change:+.3g} %")
+        for k, one in enumerate([one for one in found if abs(one.change) >= least][:SHOWN])
+    ]
+    return f"{', '.join(parts)}." if parts else ""
+
+
+def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> dict[str, Spectrum]:
+    """∂F/∂X of every spectrum X that the pixel depends on."""
+    row = system.G[[pixel]]
+    found: dict[str, Spectrum] = defaultdict(lambda: np.zeros(len(slab)))
+    for column, g in zip(row.indices.tolist(), row.data.tolist(), strict=True):
+        interaction = system.interactions[column]
+        names = (interaction.light, *interaction.met)
+        if not all(name in palette for name in names):  # an alternative that is no part of the picture
+            continue
+        for k, name in enumerate(names):
+            rest = [palette[other] for other in (*names[:k], *names[k + 1 :])]
+            found[name] = found[name] + np.prod([slab * g, *rest], axis=0)
+    return dict(found)
+
+
+def _others(system: LinearSystem, palette: Palette, own: frozenset[str]) -> dict[Scale | Exposure, frozenset[str]]:
+    """The lights, the materials and the exposure with the spectra that each scales, but none that scales the same."""
+    lights = [name for name in system.lights if name in palette]
+    groups: dict[Scale | Exposure, frozenset[str]] = {Scale(name): frozenset([name]) for name in lights}
+    for material in sorted({material_of(name) for name in palette} - {""}):
+        groups[Scale(material)] = frozenset(name for name in palette if material_of(name) == material)
+    if len(lights) > 1:
+        groups[Exposure()] = frozenset(lights)
+    used = {*system.lights, *system.reflectances}
+    return {other: symbols for other, symbols in groups.items() if symbols & used != own & used or not own}
+
+
+def _sum(gradient: Mapping[str, Spectrum], change: Mapping[str, Spectrum]) -> float:
+    return float(sum(gradient[name] @ spectrum for name, spectrum in change.items() if name in gradient))
