@@ -79,6 +79,7 @@ _NAMES = {
         "clip",
         "feasible",
         "fit",
+        "joint_region",
         "map_pixels",
         "pixels_of",
         "report",

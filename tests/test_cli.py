@@ -106,6 +106,9 @@ BAD_WORDS = [
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together", "--allowed-out", "0.1"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together", "--of", "red"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--of", "nothing"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--region", "region.png"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:red", "--region", "a.png"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:sun", "--region", "a.gif"],
     ["demo", "--scene", "nosuch"],
     ["demo", "--size", "0"],
 ]
@@ -389,6 +392,19 @@ def test_feasible_together_is_the_safe_box(run, system):
     expected = rt.safe_box(system, palette, gamut, [rt.Scale("red")])
     assert record["box"] == {"red": list(expected.box["red"])}
     assert run(*words)[1].startswith("All scales may move freely")
+
+
+def test_feasible_draws_the_region_of_two_parameters(run, tmp_path, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:sun", "--json"]
+    code, out, _ = run(*words, "--region", "region.png")
+    assert code == 0
+    record = json.loads(out)
+    expected = rt.joint_region(system, palette, gamut, rt.Scale("red"), rt.Scale("sun"), progress=False)
+    assert [line["intervals"] for line in record["lines"]] == [[[*i] for i in line] for line in expected.intervals]
+    assert record["share of all pairs"] == expected.share
+    assert (tmp_path / "region.png").stat().st_size > 10_000
 
 
 def test_report_gives_the_librarys_verdicts_as_json(run):

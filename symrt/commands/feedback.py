@@ -30,18 +30,22 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     exposure: option.Exposure = 1.0,
     size: option.Size = None,
     plot: option.Plot = None,
+    region: option.Region = None,
     as_json: option.Json = False,
 ) -> None:
     """Which values of a parameter a device can print, and which pixel and band end each range.
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
-    from symrt.explore.tables import box_record, feasible_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.explore.tables import box_record, feasible_record, region_record  # noqa: PLC0415  # slow, and --help does not need it
 
     if together and (plot is not None or allowed_out or of is not None):
         raise ValueError("--together gives one box for all pixels: leave out --plot, --allowed-out and --of")
-    if plot is not None:
-        writable(plot, ".png")
+    if region is not None and (len(parameter) != 2 or together or plot is not None):
+        raise ValueError("--region draws two parameters, -p A -p B: leave out --together and --plot")
+    for path in (plot, region):
+        if path is not None:
+            writable(path, ".png")
     asked = [parameter_of(word) for word in parameter]
     spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
     seen = rt.Reference(reference, exposure)
@@ -53,6 +57,12 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         typer.echo(json_text(box_record(box)) if as_json else repr(box))
         return
     options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
+    if region is not None:
+        ranges = options | {"within": (within, within)}
+        pairs = rt.joint_region(system, spectra, limits, asked[0], asked[1], **ranges)
+        draw(region, "joint_region_figure", pairs, system, spectra, seen)
+        typer.echo(json_text(region_record(pairs)) if as_json else repr(pairs))
+        return
     found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, limits, seen)

@@ -25,6 +25,7 @@ __all__ = [
     "Parameters",
     "Plot",
     "Reference",
+    "Region",
     "SceneFile",
     "Size",
     "Source",
@@ -72,6 +73,9 @@ AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixel
 Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]
+Region = Annotated[
+    Path | None, typer.Option("--region", help="Draw which pairs of two parameters keep the picture inside (.png).")
+]
 Objective = Annotated[
     Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"],
     typer.Option("--objective", help="What is sought."),

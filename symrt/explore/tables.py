@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.feedback.boxes import SafeBox
+from symrt.feedback.pairs import JointRegion
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
@@ -16,7 +17,16 @@ from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
 
-__all__ = ["box_record", "feasible_record", "fit_record", "fits_table", "gamut_facts", "gamut_table", "ranges_table"]
+__all__ = [
+    "box_record",
+    "feasible_record",
+    "fit_record",
+    "fits_table",
+    "gamut_facts",
+    "gamut_table",
+    "ranges_table",
+    "region_record",
+]
 
 SHOWN = 8
 """Components whose errors are listed; later ones hardly matter on any device seen."""
@@ -168,6 +178,32 @@ def box_record(found: SafeBox) -> dict[str, Any]:
     }
 
 
+def region_record(found: JointRegion) -> dict[str, Any]:
+    """The pairs of two parameters that keep an image inside, line by line, ready for JSON."""
+    return {
+        "parameters": [str(found.one), str(found.other)],
+        "within": [list(ends) for ends in found.within],
+        "share of all pairs": found.share,
+        "share of the separate ranges' rectangle": found.separate_inside,
+        "separate": [[list(interval) for interval in alone.intervals] for alone in found.separate],
+        "box": None if found.box is None else {name: list(ends) for name, ends in found.box.box.items()},
+        "lines": [
+            {
+                "at": float(value),
+                "intervals": [list(interval) for interval in intervals],
+                "reasons": [{"below": _reason(below), "above": _reason(above)} for below, above in reasons],
+            }
+            for value, intervals, reasons in zip(found.values, found.intervals, found.reasons, strict=True)
+        ],
+        "verdict": found.verdict,
+        "object pixels": found.objects,
+        "untouched outside": _places(found, found.untouched_outside),
+        "unfixable": _places(found, found.unfixable),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
 def _rows(found: Feasible) -> list[tuple[str, ...]]:
     left_out = f"{len(found.untouched_outside)} + {len(found.unfixable)}"
     above = ", ".join(found.above_one) or "-"
@@ -195,7 +231,7 @@ def _moves(found: Sequence[Sensitivity]) -> dict[str, float]:
     return {str(one.parameter): one.change for one in found}
 
 
-def _places(found: Feasible | Fit | SafeBox, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:
+def _places(found: Feasible | Fit | SafeBox | JointRegion, pixels: Int[np.ndarray, " pixel"]) -> list[list[int]]:
     return [[int(n % found.width), int(n // found.width)] for n in pixels]
 
 

@@ -2,7 +2,9 @@
 
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.freedom import safe_box
+from symrt.feedback.joint_region import joint_region
 from symrt.feedback.mapping import fit
+from symrt.feedback.pairs import JointRegion
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.pixelwise import Mapped, map_pixels
 from symrt.feedback.ranges import feasible
@@ -20,6 +22,7 @@ __all__ = [
     "Feasible",
     "Fit",
     "Interval",
+    "JointRegion",
     "Mapped",
     "Reason",
     "Report",
@@ -30,6 +33,7 @@ __all__ = [
     "clip",
     "feasible",
     "fit",
+    "joint_region",
     "map_pixels",
     "pixels_of",
     "report",

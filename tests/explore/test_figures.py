@@ -17,9 +17,11 @@ from scipy.spatial import ConvexHull
 import symrt as rt
 from symrt.explore import plots
 from symrt.explore.plots.feedback import _binding, _outside
+from symrt.explore.plots.region import _stops
 from symrt.explore.segments import blend_segments, diffuse_materials, scale_segments
 from symrt.explore.solid import View, facets, facing, outline, spread
 from symrt.feedback.limits import limits
+from symrt.feedback.parameters import moved
 
 WITHIN = (0.01, 3.0)
 
@@ -56,6 +58,14 @@ def ranges(system, gamut):
     return [rt.feasible(system, plain(), gamut, rt.Scale(name), cap=False) for name in names]
 
 
+@pytest.fixture(scope="module")
+def region(system, gamut):
+    dim = rt.Reference(exposure=0.5)
+    return rt.joint_region(
+        system, plain(), gamut, rt.Scale("red.diffuse"), rt.Scale("sun"), steps=17, reference=dim, progress=False
+    )
+
+
 def plain():
     return rt.load_palettes("first")["plain"]
 
@@ -72,13 +82,14 @@ def texts(figure):
     return [(text.get_text(), Text.get_window_extent(text, canvas.get_renderer())) for text in shown]
 
 
-def figures(gamut, palette, system, ranges):
+def figures(gamut, palette, system, ranges, region):
     return {
         "gamut": plots.gamut_figure(gamut, palette),
         "solids": plots.solids_figure(gamut),
         "ranges": plots.ranges_figure(ranges, system, plain(), gamut),
         "map": plots.out_of_gamut_map(system, plain(), gamut),
         "curve": plots.curve_figure(ranges[0]),
+        "region": plots.joint_region_figure(region, system, plain(), rt.Reference(exposure=0.5)),
     }
 
 
@@ -170,9 +181,9 @@ def test_labels_are_spread_as_isotonic_regression_spreads_them():
             np.testing.assert_allclose(placed[order], isotonic_regression(wanted[order] - steps).x + steps, atol=1e-12)
 
 
-def test_names_on_figures_do_not_overlap_and_stay_on_the_paper(gamut, palette, system, ranges):
+def test_names_on_figures_do_not_overlap_and_stay_on_the_paper(gamut, palette, system, ranges, region):
     basis = plots.basis_figure(rt.basis_report(gamut.device))
-    for name, figure in (figures(gamut, palette, system, ranges) | {"basis": basis}).items():
+    for name, figure in (figures(gamut, palette, system, ranges, region) | {"basis": basis}).items():
         shown = texts(figure)
         width, height = figure.canvas.get_width_height()
         for text, box in shown:
@@ -183,8 +194,8 @@ def test_names_on_figures_do_not_overlap_and_stay_on_the_paper(gamut, palette, s
             assert apart, (name, one, other)
 
 
-def test_figures_are_drawn_in_many_colours_and_name_what_they_show(gamut, palette, system, ranges):
-    for name, figure in figures(gamut, palette, system, ranges).items():
+def test_figures_are_drawn_in_many_colours_and_name_what_they_show(gamut, palette, system, ranges, region):
+    for name, figure in figures(gamut, palette, system, ranges, region).items():
         assert len(np.unique(picture(figure).reshape(-1, 3), axis=0)) > 100, name
         said = " ".join(text for text, _ in texts(figure)).replace("\n", " ")
         assert "modelled" in said, name
@@ -218,6 +229,22 @@ def test_the_map_marks_the_pixels_whose_reflectance_the_gamut_does_not_contain(g
     assert np.array_equal(bright.ravel(), ~gamut.contains(reflectance))
     assert bright.any()
     assert not (bright & dark).any()
+
+
+def test_the_numbers_on_a_region_stand_where_those_pixels_stop_it(gamut, system, region):
+    stops = _stops(region)
+    assert stops
+    white = rt.Reference(exposure=0.5).white(system, plain()) / 0.5
+    for stop in stops:
+        colours = plain()
+        for parameter, value in zip((region.one, region.other), stop.place, strict=True):
+            colours = moved(system, colours, parameter, value)
+        if stop.reason.side == "upper":
+            r = rt.shade(system, colours).values[stop.reason.y, stop.reason.x] / white
+            band = gamut.bands.labels.index(stop.reason.band)
+            assert r[band] == pytest.approx(gamut.upper[band], rel=1e-9)
+    said = " ".join(text for text, _ in texts(plots.joint_region_figure(region, system, plain())))
+    assert all(str(stop.reason).partition(" (where")[0] in said.replace("\n   ", "") for stop in stops)
 
 
 def test_figures_leave_matplotlibs_global_state_alone(gamut, palette):

@@ -7,12 +7,14 @@ show it.  Matplotlib is imported nowhere else.
 from symrt.explore.plots.basis import basis_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
 from symrt.explore.plots.gamut import gamut_figure, solids_figure
+from symrt.explore.plots.region import joint_region_figure
 from symrt.explore.plots.style import png
 
 __all__ = [
     "basis_figure",
     "curve_figure",
     "gamut_figure",
+    "joint_region_figure",
     "out_of_gamut_map",
     "png",
     "ranges_figure",
