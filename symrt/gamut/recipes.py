@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerPixel, PixelBands
 from symrt.gamut.device import Device, Printer
 from symrt.gamut.hull import TOLERANCE
+from symrt.gamut.looking import looked_for
 from symrt.spectra.bands import Bands, Number
 
 __all__ = ["InkGamut", "ink_gamut", "recipes"]
@@ -32,9 +33,6 @@ MOST_DAMPED = 1e12
 """A step damped more than this goes nowhere: the search is over."""
 CHUNK = 1024
 EDGE = 1e-9
-LOOKS = 64
-"""Places on a line at which it is asked whether it is inside; a shorter stretch may be missed."""
-HALVINGS = 40
 
 Recipes = Float[np.ndarray, "pixel ink"]
 
@@ -110,32 +108,11 @@ class InkGamut:
 
         Stretches shorter than 1/64 of the range may be missed.
         """
-        t = np.linspace(within[0], within[1], LOOKS + 1)
-        points = origin[:, None] + t[:, None] * direction[:, None]
-        inside = self.contains(points.reshape(-1, origin.shape[1])).reshape(len(origin), -1)
-        pixel, after = np.nonzero(inside[:, 1:] != inside[:, :-1])
-        ends = self._ends(origin[pixel], direction[pixel], t[after], t[after + 1], inside[pixel, after])
-        found: list[list[tuple[float, float]]] = []
-        for row, seen in enumerate(inside):
-            at = [*([t[0]] if seen[0] else []), *ends[pixel == row], *([t[-1]] if seen[-1] else [])]
-            found.append([(float(a), float(b)) for a, b in zip(at[::2], at[1::2], strict=True)])
+        found: list[list[tuple[float, float]]] = [[] for _ in origin]
+        parts = looked_for(lambda i, t: self.contains(origin[i] + t[:, None] * direction[i]), len(origin), within)
+        for pixel, low, high in zip(*parts, strict=True):
+            found[pixel].append((float(low), float(high)))
         return found
-
-    def _ends(
-        self,
-        origin: PixelBands,
-        direction: PixelBands,
-        low: PerPixel,
-        high: PerPixel,
-        inside_low: Bool[np.ndarray, " pixel"],
-    ) -> PerPixel:
-        """The last t inside, between one that is inside and one that is not."""
-        inner, outer = np.where(inside_low, low, high), np.where(inside_low, high, low)
-        for _ in range(HALVINGS if len(origin) else 0):
-            middle = (inner + outer) / 2
-            inside = self.contains(origin + middle[:, None] * direction)
-            inner, outer = np.where(inside, middle, inner), np.where(inside, outer, middle)
-        return inner
 
     def __repr__(self) -> str:
         modelled = " (modelled)" if self.device.modelled else ""
