@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.feedback.along import Along
-from symrt.feedback.limits import Bound
+from symrt.feedback.bounds import Bound
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
 from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.bands import Number

@@ -11,10 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool
 
 from symrt.arrays import Spectrum
-from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs
+from symrt.feedback.bounds import Bound, bound_of
+from symrt.feedback.solids import Solid
+from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
+from symrt.gamut.recipes import InkGamut
+from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
@@ -24,41 +28,8 @@ from symrt.system import LinearSystem
 
 __all__ = ["Bound", "Limits", "limits", "rising_limits"]
 
-PerSlab = Float[np.ndarray, " slab"]
-
 INVISIBLE = 1e-6
 """Bands in which the reference white has less than this share of its maximum say nothing about reflectance."""
-NEGLIGIBLE = 1e-4
-"""Share of a slab's weights that may lie in bands that the reference white does not light."""
-
-
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """Slabs ``lower <= p A <= upper`` of a radiance p.
-
-    Parameters
-    ----------
-    matrix
-        A: one column a slab.
-    bands
-        The band that each slab bounds alone; -1 where it weighs several.
-    words
-        What each slab bounds, if it weighs several bands.
-    extrapolated
-        Whether the device was not measured there.
-    """
-
-    matrix: Float[np.ndarray, "band slab"]
-    lower: Float[np.ndarray, " slab"]
-    upper: Float[np.ndarray, " slab"]
-    bands: Int[np.ndarray, " slab"]
-    words: tuple[str, ...] = ()
-    extrapolated: Bool[np.ndarray, " slab"] | None = None
-
-    @property
-    def signed(self) -> bool:
-        """Whether more light may bring a pixel inside, so that nothing can be said from the lightest image alone."""
-        return bool((self.matrix < 0).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +40,8 @@ class Limits:
     ----------
     upper
         The upper bounds.
+    solids
+        Parts of the gamut that have a black of their own.
     dark
         The lower bounds, None where black is clipped.
     luminance
@@ -83,7 +56,7 @@ class Limits:
         A bound on the reflectance that the depth limit left out of any pixel, and of every result.
     """
 
-    gamut: SlabGamut
+    gamut: ConvexGamut | InkGamut
     upper: Bound
     dark: Bound | None
     luminance: Spectrum
@@ -91,6 +64,7 @@ class Limits:
     masked: Bool[np.ndarray, " band"]
     reference: str
     cut_off: float = 0.0
+    solids: tuple[Solid, ...] = ()
 
     @property
     def bands(self) -> Bands:
@@ -107,14 +81,16 @@ class Limits:
         return f"{self.gamut.name} ({self.gamut.label}{modelled}); {self.reference}{masked}{cut}"
 
 
-def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Reference | None = None) -> Limits:
-    """The bounds of a gamut of slabs on the radiances of a system.
+def limits(
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
+) -> Limits:
+    """The bounds of a gamut on the radiances of a system.
 
     Raises
     ------
     ValueError
-        If the gamut has no slabs, the palette is not on its bands, the reference leaves bands dark that a slab needs,
-        or there is no such reference.
+        If the palette is not on the gamut's bands, the reference leaves bands dark that the gamut needs, or there is
+        no such reference.
 
     Examples
     --------
@@ -127,11 +103,6 @@ def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Ref
     >>> asked.upper.matrix[0, 0].item(), asked.reference
     (0.25, 'reference sun, exposure 0.5')
     """
-    if not isinstance(gamut, SlabGamut):
-        raise ValueError(  # noqa: TRY004  # another model of the same device is a bad choice, not another type to a user
-            f"{getattr(gamut, 'name', gamut)}: this needs bounds of every pixel; use device_gamut(device, 'envelope') "
-            "or 'unit'; feasible, report and map_pixels take every gamut"
-        )
     if palette.bands != gamut.bands:
         raise ValueError(
             f"the palette is in {palette.bands!r}, {gamut.name} in {gamut.bands!r}: use palette.on(gamut.bands), or "
@@ -146,7 +117,9 @@ def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Ref
     weights = weights / weights.sum()
     shown = np.zeros(len(white))
     shown[visible] = reference.exposure / white[visible]
-    slabs = under.slabs
+    parts = _parts(under)
+    flat = [part.slabs for part in parts if isinstance(part, SlabGamut) and not _has_own_black(part)]
+    slabs = stacked(flat, len(white))
     left_out = None if system.tail is None else tail_bound(system.tail, palette) * shown
     return Limits(
         gamut=under,
@@ -157,23 +130,26 @@ def limits(system: LinearSystem, palette: Palette, gamut: object, reference: Ref
         masked=~visible,
         reference=f"reference {name}, exposure {reference.exposure:g}",
         cut_off=0.0 if left_out is None else float(left_out.max()),
+        solids=tuple(_solid(part, shown) for part in parts if _has_own_black(part)),
     )
 
 
-def rising_limits(system: LinearSystem, palette: Palette, gamut: object, reference: Reference | None = None) -> Limits:
+def rising_limits(
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
+) -> Limits:
     """The same for what needs bounds that a pixel meets once, as it gets lighter.
 
     Raises
     ------
     ValueError
-        As `limits` does, and if a slab weighs some band negatively.
+        As `limits` does, and if more light may bring a pixel inside.
 
     Examples
     --------
     See `limits`.
     """
     asked = limits(system, palette, gamut, reference)
-    if asked.upper.signed:
+    if asked.upper.signed or asked.solids:
         raise ValueError(
             f"{asked.gamut.name}: more light may bring a colour inside as well as out, so that scales cannot be fitted "
             "together; fit them to the device's envelope, and ask feasible for one parameter at a time"
@@ -211,32 +187,34 @@ def white_in_every_band(
     return white / reference.exposure
 
 
+def _parts(gamut: ConvexGamut | InkGamut) -> list[ConvexGamut | InkGamut]:
+    """The gamuts that one is the intersection of; itself, if it is none."""
+    return [part for one in getattr(gamut, "parts", ()) for part in _parts(one)] or [gamut]
+
+
+def _has_own_black(gamut: ConvexGamut | InkGamut) -> bool:
+    """Whether its dark end is that of prints, and not bounds band by band or a monitor's."""
+    return bool(gamut.devices) and not isinstance(gamut, Gamut)
+
+
+def _solid(gamut: ConvexGamut | InkGamut, shown: Spectrum) -> Solid:
+    """One of them against the reference."""
+    if not isinstance(gamut, SlabGamut) and not shown.all():
+        raise ValueError(f"the reference leaves bands dark that {gamut.name} needs: use Reference('equal-energy')")
+    bound = None
+    if isinstance(gamut, SlabGamut):
+        bound = bound_of(gamut.slabs, shown, gamut.slabs.lower, gamut.slabs.upper)
+    return Solid(gamut, bound, shown)
+
+
 def _upper(slabs: Slabs, shown: Spectrum) -> Bound:
     """Bounds that count for every pixel; a lower one that no sum of light can miss is left out."""
     idle = slabs.dark | ((slabs.matrix >= 0).all(axis=0) & (slabs.lower <= 0))
     lower = np.where(idle, -np.inf, slabs.lower)
-    return _bound(slabs, shown, lower, slabs.upper)
+    return bound_of(slabs, shown, lower, slabs.upper)
 
 
 def _dark(slabs: Slabs, shown: Spectrum) -> Bound | None:
     lower = np.where(slabs.dark & (slabs.lower > 0), slabs.lower, -np.inf)
-    bound = _bound(slabs, shown, lower, np.full(len(lower), np.inf))
+    bound = bound_of(slabs, shown, lower, np.full(len(lower), np.inf))
     return bound if len(bound.bands) else None
-
-
-def _bound(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> Bound:
-    """The slabs that ask for something, of radiances."""
-    weight = np.abs(slabs.matrix)
-    unlit = weight[shown == 0].sum(axis=0) / weight.sum(axis=0)
-    used = (np.isfinite(lower) | np.isfinite(upper)) & ~((slabs.bands >= 0) & (unlit > 0))
-    if (unlit[used] > NEGLIGIBLE).any():
-        word = slabs.words[int(np.flatnonzero(used & (unlit > NEGLIGIBLE))[0])]
-        raise ValueError(f"the reference leaves bands dark that {word} depends on: use Reference('equal-energy')")
-    return Bound(
-        matrix=slabs.matrix[:, used] * shown[:, None],
-        lower=lower[used],
-        upper=upper[used],
-        bands=slabs.bands[used],
-        words=tuple(word for word, taken in zip(slabs.words, used, strict=True) if taken),
-        extrapolated=slabs.extrapolated[used],
-    )

@@ -9,41 +9,42 @@ than allowed are in the way, else it holds for the *rest only*.  Shares are of o
 import time
 from collections.abc import Callable
 from functools import reduce
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.arrays import Spectrum
 from symrt.feedback.along import Along, along
+from symrt.feedback.asking import darker_than_black, drawn, inside_all, met, spans_inside_all
 from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
-from symrt.feedback.limits import Bound, Limits, limits
+from symrt.feedback.limits import Limits, limits
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
 from symrt.feedback.sensitivity import Sensitivity, sensitivities
 from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
 from symrt.feedback.weighing import Weighed, weighed
-from symrt.gamut.slabs import Gamut
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "nearest_slab", "reason"]
+__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "reason"]
 
 Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
-THIN = 1e-3
-"""A slab whose bounds are all smaller has its distances counted as they are, not as shares."""
+ASKED = 500
+"""Pixels that a hull is asked about."""
 Why = Callable[[End, float], Reason]
 
 
 def feasible(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut,
+    gamut: ConvexGamut | InkGamut,
     parameter: Parameter,
     *,
     within: Range | None = None,
@@ -53,6 +54,8 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     cap: bool = True,
     weights: Float[np.ndarray, "height width"] | None = None,
     mask: Bool[np.ndarray, "height width"] | None = None,
+    most: int = ASKED,
+    progress: bool = True,
 ) -> Feasible:
     """The values of a parameter that keep the image inside a gamut, and what stops it beyond them.
 
@@ -75,6 +78,10 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         the same.
     mask
         The pixels that are asked about, such as `pixels_of` an object; all if not given.
+    most
+        Pixels that a hull, or inks, are asked about, which must be asked one by one; the note says which.
+    progress
+        Whether a bar shows how far that is, if it takes more than a second.
 
     Raises
     ------
@@ -108,8 +115,9 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     asked = limits(system, palette, gamut, reference)
     line = along(system, palette, parameter)
     now = 0.0 if isinstance(parameter, Blend) else 1.0
-    counted = weighed(system, weights, mask)
-    image = _image(line, asked, counted, within, now)
+    everyone = weighed(system, weights, mask)
+    counted = drawn(line, asked, everyone, now, most, extremes=not allowed_out)
+    image = _image(line, asked, counted, within, progress)
     budget = counted.allowance(allowed_out, counted.pixels) - counted.sum(image.outside) - counted.sum(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
     symbols = moved_ends(system, palette, parameter).keys()
@@ -123,8 +131,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     def moves(end: End, t: float) -> tuple[Sensitivity, ...]:
         if end.pixel < 0:
             return ()
-        bound, _, slab = met(line, asked, end, t)
-        return sensitivities(system, palette, parameter, t, end.pixel, bound.matrix[:, slab])
+        return sensitivities(system, palette, parameter, t, end.pixel, met(line, asked, end, t, system.width).weights)
 
     return Feasible(
         parameter=parameter,
@@ -135,7 +142,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         verdict="complete" if budget >= 0 else "rest-only",
         untouched_outside=image.outside,
         unfixable=image.unfixable,
-        dark=image.dark,
+        dark=dark_share(line, asked, everyone.pixels, now, everyone.weights),
         objects=len(counted.pixels),
         above_one=above_one(moved(system, palette, parameter, found[-1].high), symbols) if found else (),
         curve=image.curve,
@@ -154,7 +161,6 @@ class _Image(NamedTuple):
     spans: Spans
     outside: Pixels
     unfixable: Pixels
-    dark: float
 
     @property
     def curve(self) -> Curve:
@@ -171,17 +177,16 @@ class _Constraint(NamedTuple):
     tightest: Piece
 
 
-def _image(line: Along, asked: Limits, counted: Weighed, within: Range, now: float) -> _Image:
-    bound, objects = asked.upper, counted.pixels
+def _image(line: Along, asked: Limits, counted: Weighed, within: Range, progress: bool) -> _Image:
+    objects = counted.pixels
     touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
-    found = intervals(line.seen(bound.matrix, touched), bound, within)
+    found = spans_inside_all(line, asked, touched, within, progress)
     return _Image(
         counted=counted,
         touched=touched,
         spans=found._replace(pixel=touched[found.pixel]),
-        outside=untouched[~inside_at(line.seen(bound.matrix, untouched), bound, 0.0)],
+        outside=untouched[~inside_all(line, asked, untouched, 0.0)],
         unfixable=np.delete(touched, np.unique(found.pixel)),
-        dark=dark_share(line, asked, objects, now, counted.weights),
     )
 
 
@@ -189,8 +194,7 @@ def dark_share(
     line: Along, asked: Limits, objects: Pixels, t: float, weights: Int[np.ndarray, " _"] | None = None
 ) -> float:
     """Share of the object pixels that are darker than the device's black at t, by their weights if given."""
-    black = Bound(asked.luminance[:, None], np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
-    darker = inside_at(line.seen(black.matrix, objects), black, t, -1.0)
+    darker = darker_than_black(line, asked, objects, t)
     if not len(objects):
         return 0.0
     return float(darker.mean()) if weights is None else float(weights[darker].sum() / weights.sum())
@@ -241,29 +245,7 @@ def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: C
         return Reason("range")
     if end.kind == "cap":
         return Reason("cap", band=capped.band, symbol=capped.symbol)
-    bound, side, slab = met(line, asked, end, t)
-    y, x = divmod(end.pixel, width)
-    band, word = int(bound.bands[slab]), bound.words[slab]
-    if word == "luminance":
-        return Reason("luminance", x=x, y=y)
-    guess = bound.extrapolated is not None and bool(bound.extrapolated[slab])
-    if band < 0:
-        return Reason(side, x=x, y=y, of=word, extrapolated=guess)
-    return Reason(side, x=x, y=y, band=asked.bands.labels[band], extrapolated=guess)
-
-
-def met(line: Along, asked: Limits, end: End, t: float) -> tuple[Bound, Literal["upper", "lower"], int]:
-    """The slab that the pixel at an end meets most nearly at t, and its side."""
-    bound = asked.upper if end.kind == "upper" or asked.dark is None else asked.dark
-    return bound, *nearest_slab(bound, line.seen(bound.matrix, np.array([end.pixel])).at(t)[0])
-
-
-def nearest_slab(bound: Bound, values: Spectrum) -> tuple[Literal["upper", "lower"], int]:
-    """The slab whose bound is met most nearly, by the room that is left as a share of the bound, and its side."""
-    size = np.maximum(*(np.where(np.isfinite(b), np.abs(b), 0.0) for b in (bound.lower, bound.upper)))
-    room = np.stack([bound.upper - values, values - bound.lower]) / np.where(size > THIN, size, 1.0)
-    side, slab = np.unravel_index(int(room.argmin()), room.shape)
-    return ("upper", "lower")[side], int(slab)
+    return met(line, asked, end, t, width).reason
 
 
 def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, float]:

@@ -58,8 +58,8 @@ class Reason:
             return f"{self.symbol} would reflect more than it receives at {self.band}"
         if self.side == "luminance":
             return f"pixel ({self.x}, {self.y}) meets the luminance of the device's black"
-        where = f"at {self.band}" if self.of is None else f"of {self.of}"
-        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound {where}{guess}"
+        of, at = (f" of {self.of}" if self.of else ""), (f" at {self.band}" if self.band else "")
+        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound{of}{at}{guess}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,11 @@ class Feasible:
     def _reasons(self) -> list[str]:
         if self.conflict is not None:
             (least, needs), (most, allows) = self.conflict
-            return [f"At least {least:.4g} is needed, where {needs}; at most {most:.4g} is allowed, where {allows}."]
+            t, outside = self.curve.least(self.within)
+            return [
+                f"At least {least:.4g} is needed, where {needs}; at most {most:.4g} is allowed, where {allows}.",
+                f"The smallest share outside is {outside:.2%}, at {t:.4g}.",
+            ]
         lines = []
         moves = self.sensitivities or [((), ())] * len(self.intervals)
         for (low, high), (below, above), sides in zip(self.intervals, self.reasons, moves, strict=True):

@@ -77,6 +77,15 @@ class Curve:
         """The t at which the share changes: enough points to draw it."""
         return np.unique(np.concatenate([self.begins.values, self.ends.values]))
 
+    def least(self, within: tuple[Number, Number]) -> tuple[float, float]:
+        """The t of a range at which the smallest share is outside, and that share: the middle of its best part."""
+        corners = np.unique(np.clip(np.append(self.values, within), *within))
+        t = np.sort(np.concatenate([corners, (corners[1:] + corners[:-1]) / 2]))
+        share = self.outside(t)
+        best = np.flatnonzero(share == share.min())
+        run = best[: int(np.argmax(np.diff(best, append=best[-1] + 2) > 1)) + 1]
+        return float(t[run[len(run) // 2]]), float(share.min())
+
 
 def curve(spans: Spans, always: int, pixels: int, weights: Weights = None) -> Curve:
     """The curve of shares, from the intervals of the pixels that the parameter touches.

@@ -17,13 +17,18 @@ from scipy.spatial import ConvexHull, QhullError
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.clipping import Interval
-from symrt.gamut.colorimetry import tristimulus
+from symrt.gamut.colorimetry import lab, tristimulus
 from symrt.gamut.device import Device
 from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.spectra.bands import Bands
 
 __all__ = ["ColorimetricGamut", "colorimetric_gamut"]
+
+STEP = 1e-6
+"""Of XYZ, in which the direction of a face is looked at."""
+HUES = ("red", "yellow", "green", "blue")
+"""Of the axes of a* and b*, from 0° by 90°."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +121,7 @@ class ColorimetricGamut:
     def slabs(self) -> Slabs:
         """The half-spaces of reflectances that the solid's faces are."""
         count = len(self.offsets)
-        words = tuple(f"face {face} of {count} of the solid of colours" for face in range(1, count + 1))
+        words = tuple(f"the solid of colours, on its {side} side," for side in self._sides())
         no = np.zeros(count, dtype=bool)
         outer = self.offsets + ROUNDING
         return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)
@@ -124,6 +129,18 @@ class ColorimetricGamut:
     def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
         """The t for which the colour of ``origin + t direction`` is inside."""
         return self.slabs.clip(origin, direction)
+
+    def _sides(self) -> list[str]:
+        """What a colour becomes that leaves the solid by each face: the direction in L*a*b* from the face's middle."""
+        on_face = np.abs(self.colours @ self.normals.T - self.offsets) <= ROUNDING
+        middles = (on_face.T @ self.colours) / np.maximum(on_face.sum(axis=0), 1)[:, None]
+        away = lab(middles + STEP * self.normals, self.light) - lab(middles, self.light)
+        hue = np.round(np.degrees(np.arctan2(away[:, 2], away[:, 1])) / 90).astype(int) % 4
+        chroma = np.hypot(away[:, 1], away[:, 2])
+        return [
+            ("light" if lightness > 0 else "dark") if abs(lightness) > strength else HUES[quarter]
+            for lightness, strength, quarter in zip(away[:, 0], chroma, hue, strict=True)
+        ]
 
     def __repr__(self) -> str:
         modelled = " (modelled)" if self.device.modelled else ""

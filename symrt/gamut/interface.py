@@ -1,5 +1,6 @@
 """What every convex gamut of step 4 can be asked, whichever model of the device stands behind it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -11,7 +12,7 @@ from symrt.gamut.clipping import Interval, clip_slabs
 from symrt.gamut.device import Device
 from symrt.spectra.bands import Bands
 
-__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "clip"]
+__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "clip", "stacked"]
 
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
@@ -128,6 +129,29 @@ class SlabGamut(ConvexGamut, Protocol):
 
     def under(self, white: Spectrum) -> "SlabGamut":
         """The same gamut for reflectances against another white."""
+
+
+def stacked(slabs: Sequence[Slabs], bands: int) -> Slabs:
+    """All slabs of several gamuts: those of their intersection; of none, no slab of so many bands.
+
+    Examples
+    --------
+    >>> stacked([], 36).matrix.shape
+    (36, 0)
+    """
+    none = np.zeros(0)
+    no = np.zeros(0, dtype=bool)
+    empty = Slabs(np.zeros((bands, 0)), none, none, np.zeros(0, dtype=int), (), no, no)
+    every = [empty, *slabs]
+    return Slabs(
+        np.hstack([one.matrix for one in every]),
+        np.concatenate([one.lower for one in every]),
+        np.concatenate([one.upper for one in every]),
+        np.concatenate([one.bands for one in every]),
+        tuple(word for one in every for word in one.words),
+        np.concatenate([one.dark for one in every]),
+        np.concatenate([one.extrapolated for one in every]),
+    )
 
 
 def clip(gamut: ConvexGamut, origin: PixelBands, direction: PixelBands) -> Interval:

@@ -13,7 +13,7 @@ __all__ = ["LOOKS", "Stretches", "looked_for"]
 
 LOOKS = 64
 """Places on a curve at which it is asked whether it is inside; a shorter stretch may be missed."""
-HALVINGS = 40
+HALVINGS = 26
 
 Pixels = Int[np.ndarray, " _"]
 Inside = Callable[[Pixels, PerPixel], Bool[np.ndarray, " _"]]

@@ -11,12 +11,11 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from symrt.feedback.along import along
-from symrt.feedback.limits import limits
+from symrt.feedback.limits import rising_limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
-from symrt.gamut.hull import hull_gamut
+from symrt.gamut import device_gamut
 from symrt.gamut.inks import load_device
-from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import RGB
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
@@ -330,8 +329,8 @@ def test_interactions_have_the_products_that_shading_gives_them():
     )
 
 
-def test_a_gamut_without_slabs_has_no_limits():
-    device = load_device("dye3-endura-premier")
-    system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
-    with pytest.raises(ValueError, match="needs bounds of every pixel"):
-        limits(system, Palette(device.bands, {"sun": 8}), hull_gamut(device))
+@pytest.mark.parametrize("model", ["hull", "inks", "colorimetric", "monitor"])
+def test_what_needs_rising_bounds_refuses_other_gamuts_with_a_remedy(model):
+    gamut = device_gamut(load_device("crt-brainard" if model == "monitor" else "dye3-endura-premier"), model)
+    with pytest.raises(ValueError, match="fit them to the device's envelope"):
+        rising_limits(IMAGE, COLOURS, gamut)

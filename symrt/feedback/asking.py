@@ -1,0 +1,172 @@
+"""Ask a gamut of any kind about pixels along a parameter: step 5 of the paper.
+
+Slabs answer for every pixel at once.  A hull, or inks, must be asked pixel by pixel, and a picture has too many: those
+asked are extreme in many directions of reflectance, or drawn evenly.
+"""
+
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from symrt.arrays import Spectrum
+from symrt.feedback.along import Along
+from symrt.feedback.bounds import Bound, nearest_slab
+from symrt.feedback.intervals import inside_at, intervals
+from symrt.feedback.limits import Limits
+from symrt.feedback.polynomials import Spans
+from symrt.feedback.reasons import Reason
+from symrt.feedback.shares import End
+from symrt.feedback.solids import Solid, swept
+from symrt.feedback.weighing import Weighed
+from symrt.spectra.bands import Number
+
+__all__ = ["darker_than_black", "drawn", "inside_all", "met", "spans_inside_all"]
+
+DIRECTIONS = 256
+"""Directions of reflectance in which the extreme pixels are looked for."""
+CHUNK = 4096
+"""Pixels shaded at a time."""
+CLOSE = 1e-9
+"""Room, as a share of its bound, that leaves no doubt that it is this slab that stops a pixel."""
+BEYOND = 1e-3
+"""Share of a value beyond which a pixel is certainly outside what it meets there."""
+
+Pixels = Int[np.ndarray, " _"]
+
+
+def spans_inside_all(
+    line: Along, asked: Limits, pixels: Pixels, within: tuple[Number, Number], progress: bool = False
+) -> Spans:
+    """The parts of `within` that keep each of the pixels, counted from 0, inside every part of a gamut."""
+    parts = [solid.spans(line, pixels, within, progress) for solid in asked.solids]
+    if len(asked.upper.bands) or not parts:
+        parts.append(intervals(line.seen(asked.upper.matrix, pixels), asked.upper, within))
+    return parts[0] if len(parts) == 1 else swept(parts, len(parts))
+
+
+def inside_all(line: Along, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
+    """Whether each of the pixels is inside every part of a gamut at one t."""
+    inside = inside_at(line.seen(asked.upper.matrix, pixels), asked.upper, t)
+    for solid in asked.solids:
+        inside[inside] = solid.inside(line, pixels[inside], t)
+    return inside
+
+
+def drawn(line: Along, asked: Limits, counted: Weighed, now: Number, most: int, extremes: bool) -> Weighed:
+    """The pixels that are asked about: all, if slabs answer, else about so many.
+
+    Where a part of the gamut has a black of its own, pixels that are darker with the palette given print as it; they
+    are left out, because no parameter lifts the shadows that every picture has.
+
+    Parameters
+    ----------
+    now
+        The parameter's value in the palette given.
+    most
+        How many pixels to ask about at most.
+    extremes
+        Whether half of them are those that are extreme in some direction, as well as drawn evenly; a share of pixels
+        can only be told from an even draw.
+    """
+    if asked.solids:
+        darker = darker_than_black(line, asked, counted.pixels, now)
+        counted = _taken(counted, np.flatnonzero(~darker), "pixels darker than the device's black print as it")
+    few = counted.pixels
+    if all(solid.bound is not None for solid in asked.solids) or len(few) <= most:
+        return counted
+    chosen = [_extreme(line, few, most // 2)] if extremes else []
+    evenly = np.linspace(0, len(few) - 1, most - sum(map(len, chosen))).round().astype(int)
+    taken = np.unique(np.concatenate([*chosen, evenly]))
+    how = "extreme ones and others drawn evenly" if extremes else "drawn evenly"
+    return _taken(counted, taken, f"asked about {len(taken)} of {len(few)} pixels, {how}")
+
+
+def darker_than_black(line: Along, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
+    """Whether each of the pixels certainly has less luminance than the device's black at t."""
+    black = Bound(asked.luminance[:, None], np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
+    return inside_at(line.seen(black.matrix, pixels), black, t, -1.0)
+
+
+def _taken(counted: Weighed, places: Pixels, note: str) -> Weighed:
+    """Some of the pixels, with a word about which."""
+    if len(places) == len(counted.pixels):
+        return counted
+    return replace(
+        counted,
+        pixels=counted.pixels[places],
+        weights=None if counted.weights is None else counted.weights[places],
+        note="; ".join(filter(None, [counted.note, note])),
+    )
+
+
+class Met(NamedTuple):
+    """What a pixel meets, and the weights of the bands in what is bounded there."""
+
+    reason: Reason
+    weights: Spectrum
+
+
+def met(line: Along, asked: Limits, end: End, t: float, width: int) -> Met:
+    """What the pixel of an end meets at t: the slab that leaves no room, or else the part of the gamut that it leaves.
+
+    A part without slabs is met where the nearest spectrum inside differs most, and bounds the difference from it.
+    """
+    pixel = np.array([end.pixel])
+    at_edge = [
+        _slab_met(line, asked, asked.upper if end.kind == "upper" or asked.dark is None else asked.dark, pixel, t)
+    ]
+    if end.kind == "upper":
+        at_edge += [_slab_met(line, asked, solid.bound, pixel, t) for solid in asked.solids if solid.bound is not None]
+        at_edge += [_solid_met(line, asked, solid, pixel, t) for solid in asked.solids if solid.bound is None]
+    found = min(at_edge, key=lambda pair: pair[0])[1]
+    y, x = divmod(end.pixel, width)
+    return found._replace(reason=replace(found.reason, x=x, y=y))
+
+
+def _slab_met(line: Along, asked: Limits, bound: Bound, pixel: Pixels, t: float) -> tuple[float, Met]:
+    """The slab that is met most nearly, and the room that it leaves as a share of its bound."""
+    if not len(bound.bands):
+        return np.inf, Met(Reason("range"), asked.luminance)
+    side, slab, room = nearest_slab(bound, line.seen(bound.matrix, pixel).at(t)[0])
+    band, word = int(bound.bands[slab]), bound.words[slab]
+    guess = bound.extrapolated is not None and bool(bound.extrapolated[slab])
+    if word == "luminance":
+        reason = Reason("luminance")
+    elif band < 0:
+        reason = Reason(side, of=word, extrapolated=guess)
+    else:
+        reason = Reason(side, band=asked.bands.labels[band], extrapolated=guess)
+    return room, Met(reason, bound.matrix[:, slab])
+
+
+def _solid_met(line: Along, asked: Limits, solid: Solid, pixel: Pixels, t: float) -> tuple[float, Met]:
+    """How a pixel leaves a part without slabs just beyond t; with room, if it does not."""
+    for beyond in (t * (1 + BEYOND), t * (1 - BEYOND)):
+        if not solid.inside(line, pixel, beyond)[0]:
+            spectrum = solid.reflectances(line, pixel, beyond)
+            away = (spectrum - solid.gamut.nearest(spectrum))[0]
+            band = int(np.abs(away).argmax())
+            guess = any(bool(device.extrapolated[band]) for device in solid.gamut.devices)
+            side: Literal["upper", "lower"] = "upper" if away[band] > 0 else "lower"
+            reason = Reason(side, band=asked.bands.labels[band], extrapolated=guess, of=solid.gamut.name)
+            return CLOSE, Met(reason, solid.shown * away)
+    return np.inf, Met(Reason("range"), asked.luminance)
+
+
+def _extreme(line: Along, pixels: Pixels, most: int) -> Pixels:
+    """Places in `pixels` of those that reach farthest in seeded random directions and in each band, both ways."""
+    bands = line.parts[0][1].shape[1]
+    random = np.random.default_rng(0).normal(size=(bands, DIRECTIONS))
+    directions = np.hstack([np.eye(bands), random])
+    best = np.full((2, directions.shape[1]), -np.inf)
+    who = np.zeros(best.shape, dtype=int)
+    for start in range(0, len(pixels), CHUNK):
+        reach = line.seen(directions, pixels[start : start + CHUNK]).at(1.0)
+        for sign, row in ((1, 0), (-1, 1)):
+            place = (sign * reach).argmax(axis=0)
+            value = sign * reach[place, np.arange(reach.shape[1])]
+            farther = value > best[row]
+            best[row, farther], who[row, farther] = value[farther], start + place[farther]
+    return np.unique(who)[:most]

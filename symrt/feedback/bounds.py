@@ -1,0 +1,101 @@
+"""Bounds on radiances: what slabs of reflectances ask of pixels seen against a reference white, for step 5."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.arrays import Spectrum
+from symrt.gamut.interface import Slabs
+
+__all__ = ["Bound", "bound_of", "nearest_slab"]
+
+NEGLIGIBLE = 1e-4
+"""Share of a slab's weights that may lie in bands that the reference white does not light."""
+THIN = 1e-3
+"""A slab whose bounds are all smaller has its distances counted as they are, not as shares."""
+
+PerSlab = Float[np.ndarray, " slab"]
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """Slabs ``lower <= p A <= upper`` of a radiance p.
+
+    Parameters
+    ----------
+    matrix
+        A: one column a slab.
+    bands
+        The band that each slab bounds alone; -1 where it weighs several.
+    words
+        What each slab bounds, if it weighs several bands.
+    extrapolated
+        Whether the device was not measured there.
+    """
+
+    matrix: Float[np.ndarray, "band slab"]
+    lower: Float[np.ndarray, " slab"]
+    upper: Float[np.ndarray, " slab"]
+    bands: Int[np.ndarray, " slab"]
+    words: tuple[str, ...] = ()
+    extrapolated: Bool[np.ndarray, " slab"] | None = None
+
+    @property
+    def signed(self) -> bool:
+        """Whether more light may bring a pixel inside, so that nothing can be said from the lightest image alone."""
+        return bool((self.matrix < 0).any())
+
+
+def bound_of(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> Bound:
+    """The slabs of reflectances that ask for something, as slabs of radiances.
+
+    Parameters
+    ----------
+    shown
+        What makes a reflectance of a radiance, 0 in bands that the reference does not light.
+    lower, upper
+        Bounds, infinite where nothing is asked for.
+
+    Raises
+    ------
+    ValueError
+        If a slab needs a band that the reference leaves dark.
+
+    Examples
+    --------
+    >>> no = np.zeros(1, dtype=bool)
+    >>> slabs = Slabs(np.array([[1.0]]), np.zeros(1), np.ones(1), np.array([0]), ("560 nm",), no, no)
+    >>> bound_of(slabs, np.array([0.25]), np.array([-np.inf]), slabs.upper).matrix
+    array([[0.25]])
+    """
+    weight = np.abs(slabs.matrix)
+    unlit = weight[shown == 0].sum(axis=0) / weight.sum(axis=0)
+    used = (np.isfinite(lower) | np.isfinite(upper)) & ~((slabs.bands >= 0) & (unlit > 0))
+    if (unlit[used] > NEGLIGIBLE).any():
+        word = slabs.words[int(np.flatnonzero(used & (unlit > NEGLIGIBLE))[0])]
+        raise ValueError(f"the reference leaves bands dark that {word} depends on: use Reference('equal-energy')")
+    return Bound(
+        matrix=slabs.matrix[:, used] * shown[:, None],
+        lower=lower[used],
+        upper=upper[used],
+        bands=slabs.bands[used],
+        words=tuple(word for word, taken in zip(slabs.words, used, strict=True) if taken),
+        extrapolated=slabs.extrapolated[used],
+    )
+
+
+def nearest_slab(bound: Bound, values: PerSlab) -> tuple[Literal["upper", "lower"], int, float]:
+    """The side and the number of the slab whose bound is met most nearly, and the room left as a share of the bound.
+
+    Examples
+    --------
+    >>> bound = Bound(np.eye(2), np.zeros(2), np.full(2, 0.5), np.arange(2), ("400 nm", "500 nm"))
+    >>> nearest_slab(bound, np.array([0.3, 0.4]))
+    ('upper', 1, 0.2)
+    """
+    size = np.maximum(*(np.where(np.isfinite(b), np.abs(b), 0.0) for b in (bound.lower, bound.upper)))
+    room = np.stack([bound.upper - values, values - bound.lower]) / np.where(size > THIN, size, 1.0)
+    side, slab = np.unravel_index(int(room.argmin()), room.shape)
+    return ("upper", "lower")[side], int(slab), float(room[side, slab].round(15))
