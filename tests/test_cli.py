@@ -277,8 +277,12 @@ def test_gamut_facts_are_the_librarys(run, tmp_path):
         saved = json.loads(run("gamut", "synthetic-cmyk", "--model", model, "--save", f"{model}.npz", "--json")[1])
         assert saved == json.loads(run("gamut", f"{model}.npz", "--json")[1])
     assert "Brainard" in run("gamut", "crt-brainard", "--model", "monitor")[1]
-    code, out, err = run("gamut", "hull.npz", "--plot", "h.png")
+    code, out, err = run("gamut", "srgb", "--model", "monitor", "--plot", "h.png")
     assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "nothing to draw" in err
+    for name in ("hull.npz", "colorimetric.npz"):
+        assert run("gamut", name, "--plot", f"{name}.png")[0] == 0
+        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     code, out, err = run("gamut", "g.npz", "--model", "unit")
     assert (code, out, err.count("\n")) == (2, "", 1)
 

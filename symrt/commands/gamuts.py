@@ -24,7 +24,7 @@ def gamut(
     ] = None,
     black: option.BlackName = None,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw its shadow and its slice (.png).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw it: as a body, as prints or as colours (.png).")] = None,
     as_json: option.Json = False,
 ) -> None:
     """Facts of a device's basis and gamut.
@@ -37,12 +37,10 @@ def gamut(
     from symrt.explore.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
 
     found = gamut_of(device, model, black)
-    if plot is not None and not hasattr(found, "shadow"):
-        raise ValueError(f"--plot: the {found.name} has no shadow and no slice: draw --model unit or envelope")
+    if plot is not None:
+        draw(plot, "body_figure", found)
     if save is not None:
         rt.save_gamut(save, found)
-    if plot is not None:
-        draw(plot, "solids_figure", found)
     facts = gamut_facts(found)
     typer.echo(json_text(facts) if as_json else gamut_table(facts))
 

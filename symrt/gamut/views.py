@@ -18,7 +18,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from symrt.arrays import Spectrum
 
-__all__ = ["Polyhedron", "Shadow", "Slice"]
+__all__ = ["Polyhedron", "Shadow", "Slice", "convex_solid"]
 
 FLAT = 1e-9
 """Faces whose planes differ by less are one face, and rows of B_k that lie in a plane up to this share do."""
@@ -74,7 +74,7 @@ class Slice:
         _check_three(self.vectors)
         planes = np.hstack([self.vectors.T, -self.upper[:, None]])
         halfspaces = np.vstack([planes, np.hstack([-self.vectors.T, self.lower[:, None]])])
-        return _hull(HalfspaceIntersection(halfspaces, self._centre(halfspaces)).intersections)
+        return convex_solid(HalfspaceIntersection(halfspaces, self._centre(halfspaces)).intersections)
 
     def _centre(self, halfspaces: Float[np.ndarray, "halfspace 4"]) -> Float[np.ndarray, "3"]:
         """The point farthest from all planes: centre of the largest sphere inside."""
@@ -129,7 +129,7 @@ class Shadow:
             signs = np.where(sides[0] != 0, one * sides[0], np.where(sides[1] != 0, two * sides[1], three * sides[2]))
             corners.append(signs @ edges / 2)
         middle = self.vectors @ ((self.lower + self.upper) / 2)
-        return _hull(np.unique(np.vstack(corners).round(12), axis=0) + middle)
+        return convex_solid(np.unique(np.vstack(corners).round(12), axis=0) + middle)
 
 
 def _sides(axes: Float[np.ndarray, "pair 3"], edges: Float[np.ndarray, "edge 3"]) -> Int[np.ndarray, "pair edge"]:
@@ -139,7 +139,15 @@ def _sides(axes: Float[np.ndarray, "pair 3"], edges: Float[np.ndarray, "edge 3"]
     return np.where(np.abs(along) <= FLAT * size, 0, np.sign(along)).astype(int)
 
 
-def _hull(points: Float[np.ndarray, "point 3"]) -> Polyhedron:
+def convex_solid(points: Float[np.ndarray, "point 3"]) -> Polyhedron:
+    """The smallest convex solid that holds some points.
+
+    Examples
+    --------
+    >>> cube = convex_solid(np.array(np.meshgrid([0.0, 1], [0, 1], [0, 1])).reshape(3, 8).T)
+    >>> len(cube.faces), len(cube.edges), round(cube.volume, 12)
+    (12, 12, 1.0)
+    """
     hull = ConvexHull(points)
     number = np.full(len(points), -1)
     number[hull.vertices] = np.arange(len(hull.vertices))

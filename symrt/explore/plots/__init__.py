@@ -5,6 +5,7 @@ show it.  Matplotlib is imported nowhere else.
 """
 
 from symrt.explore.plots.basis import basis_figure
+from symrt.explore.plots.bodies import body_figure, colours_figure, prints_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
 from symrt.explore.plots.gamut import gamut_figure, solids_figure
 from symrt.explore.plots.region import joint_region_figure
@@ -12,11 +13,14 @@ from symrt.explore.plots.style import png
 
 __all__ = [
     "basis_figure",
+    "body_figure",
+    "colours_figure",
     "curve_figure",
     "gamut_figure",
     "joint_region_figure",
     "out_of_gamut_map",
     "png",
+    "prints_figure",
     "ranges_figure",
     "solids_figure",
 ]

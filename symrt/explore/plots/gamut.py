@@ -6,31 +6,26 @@ band, whatever three components are drawn.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
 from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
-from symrt.explore.solid import Facet, View, facets, facing, outline, spread
+from symrt.explore.solid import View, facets, spread
+from symrt.gamut.device import Device
 from symrt.gamut.slabs import Gamut
-from symrt.gamut.views import Polyhedron
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 
-__all__ = ["gamut_figure", "solids_figure"]
+__all__ = ["device_text", "gamut_figure", "solids_figure"]
 
-BODY, BODY_LIT = np.array([0.74, 0.79, 0.87]), np.array([0.965, 0.975, 0.99])
-WIDE = 1.42
-"""Half the width of a panel, of the body's: room for names at either side."""
-TALL = 1.2
-"""Height of a panel, of the body's, at least."""
 STEPS = 32
 """Pieces that a segment is drawn in, each in its own colour."""
 LEADER: dict[str, Any] = {"arrowstyle": "-", "color": HAIR, "lw": 0.6, "shrinkA": 2, "shrinkB": 3}
@@ -39,19 +34,6 @@ GIVEN: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "
 
 Points = Float[np.ndarray, "point 2"]
 Place = tuple[float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class Paper:
-    """From spectra to positions on paper: three coordinates, then a view of them."""
-
-    view: View
-    vectors: Float[np.ndarray, "3 band"]
-    components: tuple[int, int, int] = (0, 1, 2)
-
-    def __call__(self, spectra: Float[np.ndarray, "point band"]) -> Points:
-        """Where spectra are drawn."""
-        return self.view.project(spectra @ self.vectors.T)
 
 
 def gamut_figure(
@@ -95,7 +77,7 @@ def gamut_figure(
     headline(figure, _title(gamut))
     shadow = gamut.shadow(components)
     paper, solid = Paper(View(), shadow.vectors, components), shadow.polyhedron()
-    left, right = (_panel(figure, gamut, solid, paper, side) for side in (0, 1))
+    left, right = (panel(figure, solid, paper, side) for side in (0, 1))
     for axes, segments, width in ((left, scaled, 3.4), (right, blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
         for order, segment in enumerate(sorted(segments, key=lambda one: -_length(one, paper))):
@@ -105,9 +87,9 @@ def gamut_figure(
         axes.plot([x for _, (x, _) in given], [y for _, (_, y) in given], **GIVEN, zorder=5)
     _label(left, [_scale_label(segment, paper) for segment in scaled])
     _label(right, given)
-    _panel_title(left, "a", f"Each material's reflectance, scaled by {within[0]:.2f} … {within[1]:.2f}")
-    _panel_title(right, "b", _blends_title(blended))
-    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
+    panel_title(left, "a", f"Each material's reflectance, scaled by {within[0]:.2f} … {within[1]:.2f}")
+    panel_title(right, "b", _blends_title(blended))
+    draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     _legend(figure)
     caption(figure, _segments_caption(gamut, light, exposure, components))
     return figure
@@ -127,11 +109,11 @@ def solids_figure(gamut: Gamut) -> Drawing:
     paper = Paper(View(), gamut.basis.vectors[:3])
     solids = (("shadow", gamut.shadow(3).polyhedron()), ("slice", gamut.slice(3).polyhedron()))
     for side, (name, solid) in enumerate(solids):
-        axes = _panel(figure, gamut, solid, paper, side)
-        _panel_title(axes, "ab"[side], f"Its {name}: volume {solid.volume:.3g}, {len(facets(solid))} sides")
-    _draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
+        axes = panel(figure, solid, paper, side)
+        panel_title(axes, "ab"[side], f"Its {name}: volume {solid.volume:.3g}, {len(facets(solid))} sides")
+    draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     text = "The shadow is the projection of all of the gamut, the slice its cut where every other component is zero. "
-    caption(figure, wrapped(text + _device_text(gamut), 175))
+    caption(figure, wrapped(text + _inside_text(gamut), 175))
     return figure
 
 
@@ -146,86 +128,19 @@ def _segments_caption(gamut: Gamut, light: str, exposure: Number, components: tu
         f"facing the reference light, {light}; exposure {exposure:g}. Clipped in all {len(gamut.bands)} bands, so that "
         "a segment may leave the gamut where its shadow still covers it; no physical cap. "
     )
-    return wrapped(text + _device_text(gamut), 175)
+    return wrapped(text + _inside_text(gamut), 175)
 
 
-def _device_text(gamut: Gamut) -> str:
-    device = gamut.device
+def _inside_text(gamut: Gamut) -> str:
+    return f"{device_text(gamut.device)} Being inside is {gamut.label} for a print, not sufficient."
+
+
+def device_text(device: Device) -> str:
+    """What a device is, and what about it is not measured."""
     bands = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
     guessed = f"; extrapolated at {', '.join(bands)}" if bands else ""
     how = "" if device.modelled else ", measured"
-    return f"Device: {device.title}{how}{guessed}. Being inside is {gamut.label} for a print, not sufficient."
-
-
-def _panel(figure: Figure, gamut: Gamut, solid: Polyhedron, paper: Paper, side: int) -> Axes:
-    axes, sides = figure.add_axes((0.5 * side, 0.14, 0.5, 0.74)), facets(solid)
-    _draw_body(axes, sides, paper.view)
-    _frame(axes, figure, outline(sides, paper.view))
-    ends = gamut.shadow(paper.components).support(np.array([[-1.0, 0, 0], [1.0, 0, 0]]))
-    _draw_upright_axis(axes, paper, -float(ends[0]), float(ends[1]))
-    return axes
-
-
-def _draw_body(axes: Axes, sides: list[Facet], view: View) -> None:
-    """The translucent solid: its far sides, and its near sides as a veil; segments keep their own colour above both."""
-    near = facing(sides, view)
-    for is_near, order, veil, hair in ((False, 1.0, 1.0, 0.10), (True, 1.5, 0.10, 0.13)):
-        shown = [side for side, seen in zip(sides, near, strict=True) if seen == is_near]
-        lit = np.array([abs(side.normal @ view.light) for side in shown])[:, None]
-        colours = np.hstack([BODY + (BODY_LIT - BODY) * lit, np.full((len(shown), 1), veil)])
-        outlines = [view.project(side.corners) for side in shown]
-        edges = (0.2, 0.27, 0.4, hair)
-        axes.add_collection(
-            PolyCollection(outlines, facecolors=colours, edgecolors=[edges], linewidths=0.4, zorder=order)
-        )
-    axes.fill(*outline(sides, view).T, facecolor="none", edgecolor=HAIR, linewidth=1.0, zorder=1.6)
-
-
-def _frame(axes: Axes, figure: Figure, contour: Points) -> None:
-    """The same unit across and up, the body in the lower middle, with room beside it for names."""
-    low, high = contour.min(axis=0), contour.max(axis=0)
-    half = (high - low) / 2
-    box = axes.get_position()
-    width, height = figure.get_size_inches() * (box.width, box.height)
-    across = max(2 * WIDE * half[0], TALL * 2 * half[1] * width / height)
-    bottom = low[1] - 0.13 * half[1]
-    axes.set(
-        xlim=(low + half)[0] + across / 2 * np.array([-1, 1]),
-        ylim=(bottom, bottom + across * height / width),
-        aspect="equal",
-    )
-    axes.set_axis_off()
-
-
-def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> None:
-    """The first coordinate with its whole numbers; along the neutral axis black is at 0 and white at √K."""
-    ticks = np.arange(math.ceil(bottom), math.floor(top) + 1)
-    points = paper.view.project(np.array([[t, 0.0, 0.0] for t in (bottom, *ticks, top)]))
-    axes.plot(points[[0, -1], 0], points[[0, -1], 1], color=INK, lw=0.8, zorder=2)
-    axes.plot(*points[1:-1].T, ls="none", marker="_", ms=6, mew=0.8, color=INK, zorder=2)
-    text: dict[str, Any] = {"textcoords": "offset points", "color": INK, "zorder": 7}
-    for tick, point in zip(ticks, points[1:-1], strict=True):
-        axes.annotate(str(tick), point, (-7, 0), ha="right", va="center", fontsize=7.5, **text)
-    upright = paper.components[0]
-    axes.annotate(
-        f"$c_{{{upright}}}$" + (", neutral" if upright == 0 else ""),
-        points[-1],
-        (0, 6),
-        ha="center",
-        fontsize=9,
-        **text,
-    )
-
-
-def _draw_directions(axes: Axes, paper: Paper) -> None:
-    """One unit along each coordinate."""
-    tips = paper.view.project(np.eye(3))
-    for name, tip in zip((f"$c_{{{i}}}$" for i in paper.components), tips, strict=True):
-        arrow = {"arrowstyle": "-|>,head_width=.15,head_length=.3", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", tip, (0, 0), arrowprops=arrow)
-        axes.annotate(name, 1.25 * tip, ha="center", va="center", fontsize=8, color=INK)
-    axes.set(xlim=(-1.1, 1.3), ylim=(-0.5, 1.4), aspect="equal")
-    axes.set_axis_off()
+    return f"Device: {device.title}{how}{guessed}."
 
 
 def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, order: float) -> None:
@@ -280,11 +195,6 @@ def _label(axes: Axes, labels: list[tuple[str, Place]]) -> None:
         for (text, point), y in zip(chosen, heights, strict=True):
             place = (edge - side * 0.01 * (right - left), y)
             axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, arrowprops=LEADER, **NAME)
-
-
-def _panel_title(axes: Axes, letter: str, text: str) -> None:
-    axes.text(0.04, 1.02, letter, transform=axes.transAxes, fontsize=12, weight="bold", color=INK)
-    axes.text(0.085, 1.02, text, transform=axes.transAxes, fontsize=10, color=INK)
 
 
 def _blends_title(segments: Sequence[Segment]) -> str:
