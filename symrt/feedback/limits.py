@@ -158,7 +158,7 @@ def rising_limits(
 
 
 def white_in_every_band(
-    system: LinearSystem, palette: Palette, reference: Reference, gamuts: Sequence[ConvexGamut]
+    system: LinearSystem, palette: Palette, reference: Reference, gamuts: Sequence[ConvexGamut | InkGamut]
 ) -> Spectrum:
     """The radiance that is a reflectance of 1, for gamuts that look at all bands at once.
 

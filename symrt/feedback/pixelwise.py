@@ -5,15 +5,19 @@ centre, or to the nearest point of the gamut.  Neighbours that move differently 
 """
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter, minimum_filter
+from tqdm.auto import tqdm
 
 from symrt.feedback.limits import white_in_every_band
+from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, clip
+from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
@@ -27,6 +31,8 @@ Target = Literal["neutral", "centre", "nearest"]
 Reflectances = Float[np.ndarray, "pixel band"]
 REACH = 3
 """Standard deviations after which a Gaussian is cut off."""
+CHUNK = 256
+"""Pixels outside that are moved at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +67,12 @@ class Mapped:
 def map_pixels(
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut,
+    gamut: ConvexGamut | InkGamut,
     *,
     towards: Target = "neutral",
     smoothness: Number = 0.0,
     reference: Reference | None = None,
+    progress: bool = True,
 ) -> Mapped:
     """Move every pixel that is outside a gamut into it.
 
@@ -77,11 +84,15 @@ def map_pixels(
     smoothness
         Standard deviation, in pixels, over which the amount of movement is evened out; pixels inside then move a
         little too.  The convexity of the gamut keeps everything inside.  Not for ``"nearest"``.
+    progress
+        Whether a bar shows how far it is, if it takes more than a second: a hull, or inks, take some milliseconds for
+        each pixel outside.
 
     Raises
     ------
     ValueError
-        If the gamut has no grey, is on other bands, or the options do not fit together.
+        If the gamut has no grey, is on other bands, or the options do not fit together; inks, whose gamut is not
+        convex, have nearest points only.
 
     Examples
     --------
@@ -105,10 +116,14 @@ def map_pixels(
     gamut = gamut.under(white)
     image = shade(system, palette)
     seen = image.values.reshape(-1, len(white))[system.object_pixels] / white
-    moved = gamut.nearest(seen) if towards == "nearest" else _towards(system, gamut, seen, towards, float(smoothness))
     outside = ~gamut.contains(seen)
-    still = ~outside if smoothness == 0 else np.zeros(outside.size, dtype=bool)
-    moved[still] = seen[still]
+    moved = seen.copy()
+    if towards == "nearest":
+        moved[outside] = _nearest(gamut, seen[outside], progress)
+    elif isinstance(gamut, InkGamut):
+        raise ValueError(f"{gamut.name}: not convex, so that a line may leave it and return; choose towards='nearest'")
+    else:
+        moved = _towards(system, gamut, seen, outside, towards, float(smoothness), progress)
     values = image.values.reshape(-1, len(white)).copy()
     values[system.object_pixels] = moved * white
     change = np.zeros(values.shape[0])
@@ -122,16 +137,43 @@ def map_pixels(
     )
 
 
+def _nearest(gamut: ConvexGamut | InkGamut, outside: Reflectances, progress: bool) -> Reflectances:
+    parts = [gamut.nearest(outside[rows]) for rows in _chunks(len(outside), progress)]
+    return np.concatenate([outside[:0], *parts])
+
+
 def _towards(
-    system: LinearSystem, gamut: ConvexGamut, seen: Reflectances, towards: Target, smoothness: float
+    system: LinearSystem,
+    gamut: ConvexGamut,
+    seen: Reflectances,
+    outside: Bool[np.ndarray, " pixel"],
+    towards: Target,
+    smoothness: float,
+    progress: bool,
 ) -> Reflectances:
     low, high = _greys(gamut, seen.shape[1])
     grey = np.full(len(seen), (low + high) / 2) if towards == "centre" else np.clip(seen.mean(axis=1), low, high)
     origin = np.repeat(grey[:, None], seen.shape[1], axis=1)
-    reach = np.clip(clip(gamut, origin, seen - origin).high, 0.0, 1.0)
+    direction = seen - origin
+    reach, rows = np.ones(len(seen)), np.flatnonzero(outside)
+    for part in _chunks(len(rows), progress):
+        reach[rows[part]] = _reach(gamut, origin[rows[part]], direction[rows[part]])
     if smoothness:
         reach = _evened(system, reach, smoothness)
-    return np.where(reach[:, None] == 1, seen, origin + reach[:, None] * (seen - origin))
+    return np.where(reach[:, None] == 1, seen, origin + reach[:, None] * direction)
+
+
+def _reach(gamut: ConvexGamut, origin: Reflectances, direction: Reflectances) -> Float[np.ndarray, " pixel"]:
+    """How far from a grey inside towards each spectrum, at most 1."""
+    if isinstance(gamut, HullGamut):
+        return gamut.reach(origin, direction)
+    return np.clip(clip(gamut, origin, direction).high, 0.0, 1.0)
+
+
+def _chunks(count: int, progress: bool) -> Iterator[slice]:
+    starts = range(0, count, CHUNK)
+    for start in tqdm(starts, desc="map pixels", unit="chunk", delay=1, leave=False, disable=not progress):
+        yield slice(start, start + CHUNK)
 
 
 def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:

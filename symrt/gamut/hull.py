@@ -128,6 +128,18 @@ class HullGamut:
         high = np.where(still, np.where(inside, np.inf, -np.inf), high)
         return Interval(low, high, np.zeros(len(low), dtype=bool))
 
+    def reach(self, origin: PixelBands, direction: PixelBands) -> PerPixel:
+        """The largest t <= 1 for which ``origin + t direction`` is inside, from an origin that is: half of a clip.
+
+        Examples
+        --------
+        >>> from symrt.gamut.inks import load_device
+        >>> hull = hull_gamut(load_device("dye3-endura-premier"))
+        >>> hull.reach(np.full((1, 36), 0.5), np.full((1, 36), 1.0)).round(3)
+        array([0.41])
+        """
+        return self._end(origin, direction, np.ones(len(origin)), np.zeros(len(origin)))
+
     @property
     def _root(self) -> float:
         return float(np.sqrt(len(self.bands)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from feedback import synthetic
 from scenes_for_tests import palettes, small
 from scipy import sparse
 
@@ -99,3 +100,28 @@ def test_a_reference_that_leaves_bands_dark_is_refused_and_never_divided_by(glob
     other = device_gamut(load_device("dye3-endura-premier", rt.wavelengths(400, 700, 20)), "unit")
     with pytest.raises(ValueError, match="same bands"):
         map_pixels(system, palette, other)
+
+
+@pytest.mark.parametrize("towards", ["neutral", "nearest"])
+def test_a_hull_takes_every_pixel_in_and_lines_end_where_a_clip_ends_them(towards):
+    bands = synthetic.BANDS
+    system, palette = synthetic.system(height=6, width=6), synthetic.palette()
+    hull = device_gamut(load_device("synthetic-cmyk", bands), "hull")
+    white = rt.Reference().white(system, palette)
+    before = rt.shade(system, palette).values.reshape(-1, len(bands))[system.object_pixels] / white
+    mapped = map_pixels(system, palette, hull, towards=towards, progress=False)
+    after = mapped.image.values.reshape(-1, len(bands))[system.object_pixels] / white
+    outside = ~hull.contains(before)
+    assert outside.any()
+    assert hull.violation(after).max() <= 1e-7
+    if towards == "neutral":
+        low, high = (getattr(hull.clip(np.zeros((1, 36)), np.ones((1, 36))), end)[0] for end in ("low", "high"))
+        grey = np.clip(before[outside].mean(axis=1, keepdims=True), low, high)
+        ends = hull.clip(np.repeat(grey, 36, axis=1), before[outside] - grey).high
+        np.testing.assert_allclose(after[outside], grey + ends[:, None] * (before[outside] - grey), atol=1e-6)
+
+
+def test_inks_have_nearest_points_only():
+    gamut = device_gamut(load_device("synthetic-cmyk", synthetic.BANDS), "inks")
+    with pytest.raises(ValueError, match="choose towards='nearest'"):
+        map_pixels(synthetic.system(height=2, width=2), synthetic.palette(), gamut)
