@@ -13,6 +13,7 @@ import typer
 
 import symrt as rt
 from symrt import cli
+from symrt.commands.arguments import system_of
 
 SMALL = ["--size", "24"]
 HEAVY = {"colour", "imageio", "matplotlib", "numpy", "pydantic", "rich", "scipy", "sympy", "tqdm", "trimesh"}
@@ -95,6 +96,7 @@ BAD_WORDS = [
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:blue"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:__import__('os')"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "blend:red"],
+    ["feasible", "globe", *SMALL, "--palette", "macbeth", "-p", "blend:upland:ice:oil"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "blend:red:blue"],
     ["feasible", "first", *SMALL, "--palette", "rgb", "-p", "scale:red"],
     ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--within", "3", "1"],
@@ -333,6 +335,18 @@ def test_feasible_of_an_object_asks_about_its_pixels_only(run, system):
     assert part["intervals"][-1][1] >= whole["intervals"][-1][1]
     assert "asked about" in part["note"]
     assert "asked about" not in whole["note"]
+
+
+def test_a_blend_of_paints_answers_as_the_library_does(run):
+    system, palette = system_of("globe", "24"), rt.load_palettes("globe")["macbeth"]
+    rt.save_system("globe.npz", system)
+    words = ["feasible", "globe.npz", "--palettes", "globe", "--palette", "macbeth"]
+    records = [json.loads(run(*words, "-p", f"blend:upland:ice{how}", "--json")[1])[0] for how in ("", ":kubelka-munk")]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    expected = rt.feasible(system, palette, gamut, rt.Blend("upland", "ice", "kubelka-munk"))
+    assert records[1]["parameter"] == "blend from upland to ice, mixed as paints"
+    assert records[1]["intervals"] == [list(interval) for interval in expected.intervals]
+    assert records[0]["parameter"] == "blend from upland to ice"
 
 
 def test_blends_are_rendered_with_the_columns_that_they_need(run):

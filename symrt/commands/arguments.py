@@ -97,7 +97,7 @@ def system_of(word: str, size: str | None = None, asked: Sequence["Parameter"] =
 def alternatives_of(scene: "Scene", asked: Sequence["Parameter"]) -> dict[str, list[str]]:
     """For each blend of materials that differ in more than their spectra, what `trace` must record beside."""
     made = {material.name: (material.model, dict(material.parameters)) for material in scene.materials}
-    pairs = [(one.material, one.other) for one in asked if isinstance(one, rt.Blend)]
+    pairs = [(one.material, one.other) for one in asked if isinstance(one, rt.Blend) and one.mixing == "linear"]
     found: dict[str, list[str]] = {}
     for material, other in dict.fromkeys(pairs):
         if material in made and other in made and made[material] != made[other]:
@@ -151,6 +151,8 @@ def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -
 def parameter_of(word: str) -> "Parameter":
     """A parameter from ``scale:brass``, ``scale:brass.specular``, ``scale:sun`` or ``blend:sea:ice``.
 
+    ``blend:sea:ice:kubelka-munk`` mixes the two as paints.
+
     Examples
     --------
     >>> parameter_of("scale:brass")
@@ -159,9 +161,12 @@ def parameter_of(word: str) -> "Parameter":
     kind, *names = word.split(":")
     if kind == "scale" and len(names) == 1 and names[0]:
         return rt.Scale(names[0])
-    if kind == "blend" and len(names) == 2 and all(names):
+    if kind == "blend" and len(names) in (2, 3) and all(names) and names[2:] in ([], ["linear"], ["kubelka-munk"]):
         return rt.Blend(*names)
-    raise ValueError(f"--parameter {shown(word)}: write scale:NAME, such as scale:brass, or blend:FROM:TO")
+    raise ValueError(
+        f"--parameter {shown(word)}: write scale:NAME, such as scale:brass, or blend:FROM:TO, for paints "
+        "blend:FROM:TO:kubelka-munk"
+    )
 
 
 def scale_of(word: str) -> "Scale":

@@ -66,7 +66,8 @@ Within = Annotated[
     typer.Option("--within", help="Least and largest value looked at: 0.01 3, for a blend 0 1."),
 ]
 Parameters = Annotated[
-    list[str], typer.Option("--parameter", "-p", help="scale:NAME or blend:FROM:TO; may be repeated.")
+    list[str],
+    typer.Option("--parameter", "-p", help="scale:NAME, blend:FROM:TO or blend:FROM:TO:kubelka-munk; repeatable."),
 ]
 Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]

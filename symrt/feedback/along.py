@@ -19,7 +19,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from symrt.arrays import Spectrum
-from symrt.feedback.parameters import Ends, Parameter, moved_ends
+from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
@@ -133,6 +133,8 @@ def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along
     >>> along(system, palette, Scale("brass")).coefficients(slice(None))[:, 0, 0].tolist()
     [0.0, 0.25, 0.05]
     """
+    if mixing_of(parameter) != "linear":
+        raise ValueError(f"the {parameter}, makes no polynomials of the pixels: only a 'linear' blend is taken here")
     return along_ends(system, palette, moved_ends(system, palette, parameter))
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from symrt.arrays import Spectrum
-from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound, nearest_slab
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits
+from symrt.feedback.paints import Line
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
@@ -37,7 +37,7 @@ Pixels = Int[np.ndarray, " _"]
 
 
 def spans_inside_all(
-    line: Along, asked: Limits, pixels: Pixels, within: tuple[Number, Number], progress: bool = False
+    line: Line, asked: Limits, pixels: Pixels, within: tuple[Number, Number], progress: bool = False
 ) -> Spans:
     """The parts of `within` that keep each of the pixels, counted from 0, inside every part of a gamut."""
     parts = [solid.spans(line, pixels, within, progress) for solid in asked.solids]
@@ -46,7 +46,7 @@ def spans_inside_all(
     return parts[0] if len(parts) == 1 else swept(parts, len(parts))
 
 
-def inside_all(line: Along, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
+def inside_all(line: Line, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
     """Whether each of the pixels is inside every part of a gamut at one t."""
     inside = inside_at(line.seen(asked.upper.matrix, pixels), asked.upper, t)
     for solid in asked.solids:
@@ -54,7 +54,7 @@ def inside_all(line: Along, asked: Limits, pixels: Pixels, t: Number) -> Bool[np
     return inside
 
 
-def drawn(line: Along, asked: Limits, counted: Weighed, now: Number, most: int, extremes: bool) -> Weighed:
+def drawn(line: Line, asked: Limits, counted: Weighed, now: Number, most: int, extremes: bool) -> Weighed:
     """The pixels that are asked about: all, if slabs answer, else about so many.
 
     Where a part of the gamut has a black of its own, pixels that are darker with the palette given print as it; they
@@ -83,7 +83,7 @@ def drawn(line: Along, asked: Limits, counted: Weighed, now: Number, most: int, 
     return _taken(counted, taken, f"asked about {len(taken)} of {len(few)} pixels, {how}")
 
 
-def darker_than_black(line: Along, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
+def darker_than_black(line: Line, asked: Limits, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
     """Whether each of the pixels certainly has less luminance than the device's black at t."""
     black = Bound(asked.luminance[:, None], np.array([-np.inf]), np.array([asked.blackest]), np.array([-1]))
     return inside_at(line.seen(black.matrix, pixels), black, t, -1.0)
@@ -108,7 +108,7 @@ class Met(NamedTuple):
     weights: Spectrum
 
 
-def met(line: Along, asked: Limits, end: End, t: float, width: int) -> Met:
+def met(line: Line, asked: Limits, end: End, t: float, width: int) -> Met:
     """What the pixel of an end meets at t: the slab that leaves no room, or else the part of the gamut that it leaves.
 
     A part without slabs is met where the nearest spectrum inside differs most, and bounds the difference from it.
@@ -125,7 +125,7 @@ def met(line: Along, asked: Limits, end: End, t: float, width: int) -> Met:
     return found._replace(reason=replace(found.reason, x=x, y=y))
 
 
-def _slab_met(line: Along, asked: Limits, bound: Bound, pixel: Pixels, t: float) -> tuple[float, Met]:
+def _slab_met(line: Line, asked: Limits, bound: Bound, pixel: Pixels, t: float) -> tuple[float, Met]:
     """The slab that is met most nearly, and the room that it leaves as a share of its bound."""
     if not len(bound.bands):
         return np.inf, Met(Reason("range"), asked.luminance)
@@ -141,7 +141,7 @@ def _slab_met(line: Along, asked: Limits, bound: Bound, pixel: Pixels, t: float)
     return room, Met(reason, bound.matrix[:, slab])
 
 
-def _solid_met(line: Along, asked: Limits, solid: Solid, pixel: Pixels, t: float) -> tuple[float, Met]:
+def _solid_met(line: Line, asked: Limits, solid: Solid, pixel: Pixels, t: float) -> tuple[float, Met]:
     """How a pixel leaves a part without slabs just beyond t; with room, if it does not."""
     for beyond in (t * (1 + BEYOND), t * (1 - BEYOND)):
         if not solid.inside(line, pixel, beyond)[0]:
@@ -155,9 +155,9 @@ def _solid_met(line: Along, asked: Limits, solid: Solid, pixel: Pixels, t: float
     return np.inf, Met(Reason("range"), asked.luminance)
 
 
-def _extreme(line: Along, pixels: Pixels, most: int) -> Pixels:
+def _extreme(line: Line, pixels: Pixels, most: int) -> Pixels:
     """Places in `pixels` of those that reach farthest in seeded random directions and in each band, both ways."""
-    bands = line.parts[0][1].shape[1]
+    bands = line.at(1.0, slice(0, 0)).shape[1]
     random = np.random.default_rng(0).normal(size=(bands, DIRECTIONS))
     directions = np.hstack([np.eye(bands), random])
     best = np.full((2, directions.shape[1]), -np.inf)

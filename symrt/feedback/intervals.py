@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
+from symrt.feedback.paints import Line, Paints, painted_intervals
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
 from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.bands import Number
@@ -25,12 +26,14 @@ Powers = Float[np.ndarray, "power pixel slab"]
 Slabs = Float[np.ndarray, " slab"]
 
 
-def intervals(line: Along, bound: Bound, within: tuple[Number, Number], inward: int = 2) -> Spans:
+def intervals(line: Line, bound: Bound, within: tuple[Number, Number], inward: int = 2) -> Spans:
     """The parts of `within` that keep each row of `line`, already seen through the bound's matrix, inside.
 
     Rows that no value keeps inside do not occur in the result.  The bounds are moved inwards by `inward` times what the
     rounding of a row can amount to.
     """
+    if isinstance(line, Paints):
+        return painted_intervals(line, bound, within)
     tiles = []
     for start in range(0, len(line.degrees), TILE):
         found = _tile(line, slice(start, start + TILE), bound, within, inward)
@@ -40,7 +43,7 @@ def intervals(line: Along, bound: Bound, within: tuple[Number, Number], inward: 
     return Spans(*(np.concatenate(column) for column in zip(*tiles, strict=True)))
 
 
-def inside_at(line: Along, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
+def inside_at(line: Line, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
     """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
     error = -share * line.terms * ROUNDING
     inside = np.empty(len(line.degrees), dtype=bool)

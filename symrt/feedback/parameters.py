@@ -6,10 +6,12 @@ A parameter is one number ``t`` that moves some of a palette's spectra along str
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
 from symrt.arrays import Spectrum
+from symrt.feedback.mixing import Mixing, check_paints, mixed
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette, did_you_mean, is_reflectance
 from symrt.system import LinearSystem
@@ -22,6 +24,7 @@ __all__ = [
     "component_of",
     "ends_owners",
     "material_of",
+    "mixing_of",
     "moved",
     "moved_ends",
     "with_spectra",
@@ -42,13 +45,22 @@ class Scale:
 
 @dataclass(frozen=True)
 class Blend:
-    """``material`` painted over with ``other``: its spectra become (1 − t) · its own + t · the other's."""
+    """``material`` painted over with ``other``: its spectra become (1 − t) · its own + t · the other's.
+
+    With ``mixing="kubelka-munk"`` both are paints, stirred together: their K/S mixes so, not their reflectances.
+    """
 
     material: str
     other: str
+    mixing: Mixing | str = "linear"
+
+    def __post_init__(self) -> None:
+        if self.mixing not in get_args(Mixing):
+            raise ValueError(f"mixing = {self.mixing!r}: there are {' and '.join(map(repr, get_args(Mixing)))}")
 
     def __str__(self) -> str:
-        return f"blend from {self.material} to {self.other}"
+        how = "" if self.mixing == "linear" else ", mixed as paints"
+        return f"blend from {self.material} to {self.other}{how}"
 
 
 @dataclass(frozen=True)
@@ -75,8 +87,8 @@ def moved(system: LinearSystem, palette: Palette, parameter: Parameter, value: N
     >>> moved(system, Palette(RGB, {"key": 1, "sea.diffuse": [0.1, 0.2, 0.4]}), Scale("sea"), 2)["sea.diffuse"]
     array([0.2, 0.4, 0.8])
     """
-    ends = moved_ends(system, palette, parameter)
-    spectra = {name: first * (1 - value) + last * value for name, (first, last) in ends.items()}
+    ends, mixing = moved_ends(system, palette, parameter), mixing_of(parameter)
+    spectra = {name: mixed(first, last, value, mixing) for name, (first, last) in ends.items()}
     return with_spectra(palette, spectra)
 
 
@@ -92,6 +104,11 @@ def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> 
         return _blend_ends(system, palette, parameter)
     names = system.lights if isinstance(parameter, Exposure) else scaled_symbols(system, palette, parameter)
     return {name: (np.zeros(len(palette.bands)), palette[name]) for name in names if name in palette}
+
+
+def mixing_of(parameter: Parameter) -> Mixing:
+    """How the spectra at t = 0 and t = 1 of what a parameter moves are joined."""
+    return "kubelka-munk" if isinstance(parameter, Blend) and parameter.mixing == "kubelka-munk" else "linear"
 
 
 def ends_owners(ends: Collection[str], parameter: Parameter) -> dict[str, tuple[str, str]]:
@@ -138,7 +155,8 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
     own, other = (_components(system, palette, name) for name in (blend.material, blend.other))
     nothing = np.zeros(len(palette.bands))
     added = f"{blend.material}>{blend.other}"
-    if added in system.models or any(name.startswith(f"{added}.") for name in system.reflectances):
+    paints = blend.mixing == "kubelka-munk"
+    if not paints and (added in system.models or any(name.startswith(f"{added}.") for name in system.reflectances)):
         return {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], nothing) for c in own} | {
             f"{added}.{c}": (nothing, palette[f"{blend.other}.{c}"]) for c in other
         }
@@ -148,11 +166,17 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
             f"{name} ({', '.join(sorted(components))}; {model})"
             for name, components, model in zip((blend.material, blend.other), (own, other), models, strict=True)
         )
+        if paints:
+            raise ValueError(f"{described} differ in more than their spectra: only a 'linear' blend joins them")
         raise ValueError(
             f"{described} differ in more than their spectra: trace(scene, alternatives="
             f'{{"{blend.material}": ["{blend.other}"]}}) adds the columns that the blend needs'
         )
-    return {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], palette[f"{blend.other}.{c}"]) for c in own}
+    ends = {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], palette[f"{blend.other}.{c}"]) for c in own}
+    if paints:
+        for name, (first, last) in ends.items():
+            check_paints(first, last, name)
+    return ends
 
 
 def _components(system: LinearSystem, palette: Palette, material: str) -> frozenset[str]:

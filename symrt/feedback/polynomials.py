@@ -19,7 +19,7 @@ from jaxtyping import Float, Int
 
 from symrt.spectra.bands import Number
 
-__all__ = ["Spans", "highest", "lowest", "spans_inside"]
+__all__ = ["HALVINGS", "ROUNDING", "Spans", "highest", "joined", "lowest", "placed", "spans_inside"]
 
 ROUNDING = 2.0**-53
 MOST_STEPS = 200
@@ -103,7 +103,7 @@ def spans_inside(
         left, right = _halved(pieces[:, open_])
         pieces = np.concatenate([left, right], axis=1)
         pixel, start = np.tile(pixel[open_], 2), np.concatenate([start[open_], start[open_] + width / 2])
-    return _joined(found, within)
+    return joined(found, within)
 
 
 def _newton(q: Powers, aim: Slabs, top: Number, choose: Callable[..., Values], ignored: float) -> Values:
@@ -170,7 +170,7 @@ def _between(b: Powers, low: float, high: float) -> Powers:
     return _split(before, low / high)[1] if low > 0 else before
 
 
-def _joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]], within: tuple[Number, Number]) -> Spans:
+def joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]], within: tuple[Number, Number]) -> Spans:
     """Pieces that touch, made one, and brought from [0, 1] to the range."""
     pixel, start, end = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.lexsort((start, pixel))
@@ -178,9 +178,9 @@ def _joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]], within: tupl
     goes_on = (pixel[1:] == pixel[:-1]) & (start[1:] == end[:-1])
     first, last = np.append(True, ~goes_on)[: len(pixel)], np.append(~goes_on, True)[: len(pixel)]
     low, high = within
-    return Spans(pixel[first], _at(start[first], low, high), _at(end[last], low, high))
+    return Spans(pixel[first], placed(start[first], low, high), placed(end[last], low, high))
 
 
-def _at(share: Values, low: float, high: float) -> Values:
+def placed(share: Values, low: float, high: float) -> Values:
     """Ends of the range stay what they are to the last bit."""
     return np.where(share == 1, high, low + share * (high - low))

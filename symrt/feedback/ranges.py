@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.feedback.along import Along, along
 from symrt.feedback.asking import darker_than_black, drawn, inside_all, met, spans_inside_all
 from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits, limits
+from symrt.feedback.paints import Line, line_of
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
@@ -113,7 +113,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     check_share(allowed_out, "allowed_out")
     check_share(allowed_dark, "allowed_dark")
     asked = limits(system, palette, gamut, reference)
-    line = along(system, palette, parameter)
+    line = line_of(system, palette, parameter)
     now = 0.0 if isinstance(parameter, Blend) else 1.0
     everyone = weighed(system, weights, mask)
     counted = drawn(line, asked, everyone, now, most, extremes=not allowed_out)
@@ -177,7 +177,7 @@ class _Constraint(NamedTuple):
     tightest: Piece
 
 
-def _image(line: Along, asked: Limits, counted: Weighed, within: Range, progress: bool) -> _Image:
+def _image(line: Line, asked: Limits, counted: Weighed, within: Range, progress: bool) -> _Image:
     objects = counted.pixels
     touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
     found = spans_inside_all(line, asked, touched, within, progress)
@@ -191,7 +191,7 @@ def _image(line: Along, asked: Limits, counted: Weighed, within: Range, progress
 
 
 def dark_share(
-    line: Along, asked: Limits, objects: Pixels, t: float, weights: Int[np.ndarray, " _"] | None = None
+    line: Line, asked: Limits, objects: Pixels, t: float, weights: Int[np.ndarray, " _"] | None = None
 ) -> float:
     """Share of the object pixels that are darker than the device's black at t, by their weights if given."""
     darker = darker_than_black(line, asked, objects, t)
@@ -205,7 +205,7 @@ def _upper(image: _Image, within: Range, budget: int) -> _Constraint:
     return _constraint(image.spans, within, fixable - max(0, budget), "upper", image.counted)
 
 
-def _dark(line: Along, asked: Limits, image: _Image, within: Range, allowed: Number, now: float) -> list[_Constraint]:
+def _dark(line: Line, asked: Limits, image: _Image, within: Range, allowed: Number, now: float) -> list[_Constraint]:
     """The values at which no more than the share allowed of the pixels above black have fallen below."""
     if asked.dark is None:
         return []
@@ -239,7 +239,7 @@ def _conflict(constraints: list[_Constraint], why: Why) -> tuple[tuple[float, Re
     return (least.low, why(least.below, least.low)), (most.high, why(most.above, most.high))
 
 
-def reason(line: Along, asked: Limits, end: End, t: float, width: int, capped: Cap = UNLIMITED) -> Reason:
+def reason(line: Line, asked: Limits, end: End, t: float, width: int, capped: Cap = UNLIMITED) -> Reason:
     """What ends an interval at t: for a pixel, the bound that its spectrum meets most nearly there."""
     if end.kind == "range":
         return Reason("range")

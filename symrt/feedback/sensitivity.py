@@ -15,7 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from symrt.arrays import Spectrum
-from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale, ends_owners, material_of, moved, moved_ends
+from symrt.feedback.mixing import slopes
+from symrt.feedback.parameters import (
+    Blend,
+    Exposure,
+    Parameter,
+    Scale,
+    ends_owners,
+    material_of,
+    mixing_of,
+    moved,
+    moved_ends,
+)
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
@@ -87,16 +98,17 @@ def sensitivities(
     spectra = {name: palette[name] for name in gradient if name in palette}
     ends = moved_ends(system, palette, parameter)
     owners = ends_owners(ends, parameter)
-    moving = _sum(gradient, {name: last - first for name, (first, last) in ends.items()})
+    changes = {name: slopes(first, last, t, mixing_of(parameter)) for name, (first, last) in ends.items()}
+    moving = _sum(gradient, {name: by_t for name, (by_t, _, _) in changes.items()})
     if moving == 0:
         return ()
     own = frozenset(ends) if not isinstance(parameter, Blend) else frozenset()
     found = []
     for other, symbols in _others(system, palette, own).items():
         still = {name: spectrum for name, spectrum in spectra.items() if name in symbols and name not in ends}
-        for name, (first, last) in ends.items():
-            scaled = [owner in symbols for owner in owners[name]]
-            still[name] = (1 - t) * scaled[0] * first + t * scaled[1] * last
+        for name, (_, by_first, by_last) in changes.items():
+            first, last = owners[name]
+            still[name] = (first in symbols) * by_first + (last in symbols) * by_last
         change = -_sum(gradient, still) / (moving if isinstance(parameter, Blend) else moving * t)
         if change != 0:
             found.append(Sensitivity(other, float(change)))

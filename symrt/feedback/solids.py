@@ -16,6 +16,7 @@ from symrt.arrays import PixelBands, Spectrum
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
 from symrt.feedback.intervals import inside_at, intervals
+from symrt.feedback.paints import Line, Paints
 from symrt.feedback.polynomials import Spans
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.looking import looked_for
@@ -50,44 +51,47 @@ class Solid:
     bound: Bound | None
     shown: Spectrum
 
-    def spans(self, line: Along, pixels: Pixels, within: Range, progress: bool = False) -> Spans:
+    def spans(self, line: Line, pixels: Pixels, within: Range, progress: bool = False) -> Spans:
         """The parts of `within` that keep each of the pixels, counted from 0, inside."""
         if self.bound is not None:
             return intervals(line.seen(self.bound.matrix, pixels), self.bound, within)
         return self._asked(line, pixels, within, progress)
 
-    def inside(self, line: Along, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
+    def inside(self, line: Line, pixels: Pixels, t: Number) -> Bool[np.ndarray, " pixel"]:
         """Whether each of the pixels is inside at one t."""
         if self.bound is not None:
             return inside_at(line.seen(self.bound.matrix, pixels), self.bound, t)
         return self.gamut.contains(self.reflectances(line, pixels, t)) if len(pixels) else np.zeros(0, dtype=bool)
 
-    def reflectances(self, line: Along, pixels: Pixels, t: Number) -> PixelBands:
+    def reflectances(self, line: Line, pixels: Pixels, t: Number) -> PixelBands:
         """Reflectances of some pixels at one t."""
         return self._reflected(line, pixels).at(t)
 
-    def _reflected(self, line: Along, pixels: Pixels) -> Along:
+    def _reflected(self, line: Line, pixels: Pixels) -> Line:
         return line.seen(np.diag(self.shown), pixels)
 
-    def _asked(self, line: Along, pixels: Pixels, within: Range, progress: bool) -> Spans:
+    def _asked(self, line: Line, pixels: Pixels, within: Range, progress: bool) -> Spans:
         """What a gamut answers that can only be asked pixel by pixel, in chunks."""
         parts = []
         starts = range(0, len(pixels), CHUNK)
         for start in tqdm(starts, desc="gamut", unit="chunk", delay=1, leave=False, disable=not progress):
             chunk = pixels[start : start + CHUNK]
             seen = self._reflected(line, chunk)
-            found = self._chunk(seen, seen.coefficients(slice(None)), within)
+            found = self._chunk(seen, within)
             parts.append(found._replace(pixel=found.pixel + start))
         if not parts:
             return Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
         return Spans(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _chunk(self, seen: Along, c: Powers, within: Range) -> Spans:
-        if isinstance(self.gamut, InkGamut) or seen.degree > 1:
-            gamut = self.gamut
+    def _chunk(self, seen: Line, within: Range) -> Spans:
+        gamut = self.gamut
+        if isinstance(seen, Paints):
+            return Spans(*looked_for(lambda i, t: gamut.contains(seen.points(i, t)), len(seen.degrees), within))
+        c = seen.coefficients(slice(None))
+        if isinstance(gamut, InkGamut) or seen.degree > 1:
             return Spans(*looked_for(lambda i, t: gamut.contains(_points(seen, c[:, i], t)), c.shape[1], within))
         direction = c[-1] - c[0] if seen.form == "bernstein" else c[1] if len(c) > 1 else np.zeros_like(c[0])
-        found = self.gamut.clip(c[0], direction)
+        found = gamut.clip(c[0], direction)
         low, high = np.maximum(found.low, within[0]), np.minimum(found.high, within[1])
         kept = np.flatnonzero(low <= high)
         return Spans(kept, low[kept], high[kept])

@@ -13,8 +13,8 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from symrt.arrays import Spectrum
 from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, Drawing, caption, headline, wrapped
-from symrt.feedback.along import along
 from symrt.feedback.limits import Limits, limits
+from symrt.feedback.paints import line_of
 from symrt.feedback.reasons import Feasible
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
@@ -87,7 +87,7 @@ def _binding(found: Feasible, asked: Limits, system: LinearSystem, palette: Pale
     if reason is None or reason.x is None or reason.y is None:
         return None
     pixel = np.array([reason.y * found.width + reason.x])
-    line = along(system, palette, found.parameter).seen(asked.upper.matrix, pixel)
+    line = line_of(system, palette, found.parameter).seen(asked.upper.matrix, pixel)
     return line.at(found.intervals[-1][1])[0]
 
 
