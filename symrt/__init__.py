@@ -67,6 +67,7 @@ _NAMES = {
         "basis_report",
         "device_gamut",
         "devices",
+        "intersection",
         "load_device",
         "load_gamut",
         "save_gamut",

@@ -13,7 +13,8 @@ from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.device import Device
-from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.files import SavedGamut
+from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
 
@@ -32,7 +33,7 @@ SHOWN = 8
 """Components whose errors are listed; later ones hardly matter on any device seen."""
 
 
-def gamut_facts(gamut: AnyGamut) -> dict[str, Any]:
+def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
     """Facts of a gamut, of its device and of the basis, ready for JSON.
 
     Examples
@@ -42,23 +43,26 @@ def gamut_facts(gamut: AnyGamut) -> dict[str, Any]:
     >>> facts["bands"], facts["largest c0"], facts["modelled"]
     (36, 5.4, True)
     """
-    facts = {
+    facts: dict[str, Any] = {
         "gamut": gamut.name,
         "inside proves": f"{gamut.label} for a print, not sufficient" if isinstance(gamut, Gamut) else gamut.label,
         "bands": len(gamut.bands),
         "first band": gamut.bands.labels[0],
         "last band": gamut.bands.labels[-1],
     }
+    if isinstance(gamut, AnyIntersection):
+        return facts | {"parts": [part.name for part in gamut.parts], "devices": [d.title for d in gamut.devices]}
     if isinstance(gamut, MonitorGamut):
         return facts | {"device": gamut.monitor.title, "provenance": gamut.monitor.provenance}
-    facts |= _device_facts(gamut.device) | _basis_facts(gamut.device)
+    device = gamut.devices[0]
+    facts |= _device_facts(device) | _basis_facts(device)
     if isinstance(gamut, Gamut):
         facts |= {
             "largest c0": float(round(gamut.basis.vectors[0] @ gamut.upper, 12)),
             "volume of the shadow in 3 components": float(gamut.shadow(3).polyhedron().volume),
             "volume of the slice in 3 components": float(gamut.slice(3).polyhedron().volume),
         }
-    return facts | {"provenance": gamut.device.provenance}
+    return facts | {"provenance": device.provenance}
 
 
 def gamut_table(facts: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ from symrt.gamut.halftone import Halftone
 from symrt.gamut.hull import HullGamut, hull_gamut
 from symrt.gamut.inks import Device, devices, load_device, reflectance
 from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.intersections import InkIntersection, Intersection, SlabIntersection, intersection
 from symrt.gamut.monitor import Monitor, MonitorGamut, load_monitor, monitor_gamut, monitors
 from symrt.gamut.recipes import InkGamut, ink_gamut, recipes
 from symrt.gamut.slabs import Gamut
@@ -26,9 +27,12 @@ __all__ = [
     "HalftoneFit",
     "HullGamut",
     "InkGamut",
+    "InkIntersection",
+    "Intersection",
     "Monitor",
     "MonitorGamut",
     "Printer",
+    "SlabIntersection",
     "basis_report",
     "colorimetric_gamut",
     "device_gamut",
@@ -36,6 +40,7 @@ __all__ = [
     "fit_halftone",
     "hull_gamut",
     "ink_gamut",
+    "intersection",
     "load_device",
     "load_gamut",
     "load_monitor",

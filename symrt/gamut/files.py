@@ -8,7 +8,7 @@ The header is an object of
     The printers and monitors, each once: their kind, name, title, provenance and bands (kind, and centres); for a
     printer its inks, whether its prints are modelled, and its forward model or null: kind, inks and numbers.
 ``gamuts``
-    Model, device (its place in the list above) and numbers of each.
+    Model, device (its place in the list above) and numbers of each; several are the parts of their intersection.
 ``digest``
     SHA-256 over the header without it, with sorted keys, then the name, type, shape and bytes of each array, by name.
 
@@ -25,18 +25,24 @@ import numpy as np
 from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.gamut.device import Device
 from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.intersections import AnyIntersection, InkIntersection, intersection
 from symrt.gamut.monitor import Monitor, MonitorGamut
-from symrt.gamut.records import Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
+from symrt.gamut.recipes import InkGamut
+from symrt.gamut.records import GAMUTS, Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
 
 __all__ = ["load_gamut", "save_gamut"]
 
 KIND = Kind("gamut", 2, "save a gamut with save_gamut first", "save it again with save_gamut")
+SavedGamut = ConvexGamut | InkGamut | InkIntersection
 LARGEST_MEMBER = 1 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
 
 
-def save_gamut(path: str | Path, gamut: AnyGamut) -> None:
-    """Write a gamut of any model, with its device, to one ``.npz`` file, which appears whole or not at all.
+def save_gamut(path: str | Path, gamut: SavedGamut) -> None:
+    """Write a gamut of any model, or an intersection, with its devices, to one ``.npz`` file.
+
+    It appears whole or not at all.
 
     Raises
     ------
@@ -54,14 +60,17 @@ def save_gamut(path: str | Path, gamut: AnyGamut) -> None:
     'envelope of dye3-endura-premier, black clipped'
     """
     arrays: Arrays = {}
+    parts = [_known(part) for part in (gamut.parts if isinstance(gamut, AnyIntersection) else (gamut,))]
+    devices = list({id(device): device for device in map(_device, parts)}.values())
+    places = [next(i for i, device in enumerate(devices) if device is _device(part)) for part in parts]
     header: Header = {
-        "devices": [record_of_device(_device(gamut), "device0_", arrays)],
-        "gamuts": [record_of_gamut(gamut, 0, "gamut0_", arrays)],
+        "devices": [record_of_device(device, f"device{i}_", arrays) for i, device in enumerate(devices)],
+        "gamuts": [record_of_gamut(part, places[i], f"gamut{i}_", arrays) for i, part in enumerate(parts)],
     }
     write_archive(path, KIND, header | {"digest": _digest(header, arrays)}, arrays)
 
 
-def load_gamut(path: str | Path) -> AnyGamut:
+def load_gamut(path: str | Path) -> SavedGamut:
     """Read a gamut that `save_gamut` wrote: it answers like the one that was saved, bit for bit.
 
     Raises
@@ -82,11 +91,16 @@ def load_gamut(path: str | Path) -> AnyGamut:
             raise ValueError("it was changed after it was saved: its digest is another")
         devices = [device_of(record, f"device{i}_", arrays) for i, record in enumerate(kept["devices"])]
         gamuts = [gamut_of(record, devices, f"gamut{i}_", arrays) for i, record in enumerate(kept["gamuts"])]
-        if len(gamuts) != 1:
-            raise ValueError(f"it holds {len(gamuts)} gamuts, not one")
         if arrays:
             raise ValueError(f"{min(arrays)} belongs to nothing")
-        return gamuts[0]
+        return intersection(gamuts)
+
+
+def _known(gamut: SavedGamut) -> AnyGamut:
+    if not isinstance(gamut, AnyGamut):
+        kinds = f"{', '.join(GAMUTS)} and intersections"
+        raise ValueError(f"a {type(gamut).__name__} is not saved: files hold {kinds}")  # noqa: TRY004 -- a bad choice
+    return gamut
 
 
 def _device(gamut: AnyGamut) -> Device | Monitor:

@@ -23,7 +23,7 @@ from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import RGB, Bands, coordinates
 
-__all__ = ["Arrays", "Header", "device_of", "gamut_of", "record_of_device", "record_of_gamut"]
+__all__ = ["GAMUTS", "Arrays", "Header", "device_of", "gamut_of", "record_of_device", "record_of_gamut"]
 
 Header = dict[str, Any]
 Arrays = dict[str, np.ndarray]
@@ -175,10 +175,7 @@ def device_of(record: Header, prefix: str, arrays: Arrays) -> Device | Monitor:
 
 def record_of_gamut(gamut: AnyGamut, device: int, prefix: str, arrays: Arrays) -> Header:
     """A gamut's names and numbers, with the place of its device among the devices."""
-    form = GAMUTS.get(getattr(gamut, "model", ""))
-    if form is None or type(gamut) is not form.record:
-        raise ValueError(f"a {type(gamut).__name__} is not saved: files hold gamuts of {', '.join(GAMUTS)}")
-    return {"model": gamut.model, "device": device} | _packed(gamut, form, prefix, arrays)
+    return {"model": gamut.model, "device": device} | _packed(gamut, GAMUTS[gamut.model], prefix, arrays)
 
 
 def gamut_of(record: Header, devices: list[Device | Monitor], prefix: str, arrays: Arrays) -> AnyGamut:

@@ -252,7 +252,7 @@ DAMAGE = [
     ("hull", put(1, *GAMUT, "device"), "there is no device 1"),
     ("hull", put(-1, *GAMUT, "device"), "there is no device -1"),
     ("hull", put(True, *GAMUT, "device"), "there is no device True"),
-    ("hull", put([], "gamuts"), "it holds 0 gamuts"),
+    ("hull", put([], "gamuts"), "no gamuts to intersect"),
     ("hull", put(None, "devices"), "not a whole symrt gamut"),
     ("hull", put(5, *DEVICE, "name"), "5 is not a text"),
     ("hull", put("yes", *DEVICE, "modelled"), "whether the prints are modelled"),
