@@ -1,11 +1,16 @@
 """Ranges against gamuts of every model, against the gamuts' own answers on a fine grid of values."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
 
 from symrt.feedback import Blend, Exposure, Scale, feasible
-from symrt.feedback.parameters import moved
+from symrt.feedback.along import along
+from symrt.feedback.asking import spans_inside_all
+from symrt.feedback.limits import limits
+from symrt.feedback.parameters import moved, moved_ends
 from symrt.gamut import device_gamut, load_device
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
@@ -100,3 +105,39 @@ def test_the_least_share_outside_is_named_where_no_value_serves_all():
     t, share = found.curve.least(found.within)
     assert share <= found.curve.outside(grid).min()
     assert found.curve.outside(np.array([t]))[0] == share
+
+
+@pytest.mark.parametrize("name", ["light", "mirrors", "blend"])
+@pytest.mark.parametrize("model", ["monitor", "colorimetric"])
+def test_ends_are_inside_in_exact_rationals_where_weights_have_both_signs(model, name):
+    parameter = PARAMETERS[name]
+    asked = limits(IMAGE, COLOURS, GAMUTS[model])
+    bound = asked.solids[0].bound if asked.solids else asked.upper
+    found = feasible(IMAGE, COLOURS, GAMUTS[model], parameter, allowed_out=0.5, cap=False)
+    outside = set(found.untouched_outside.tolist()) | set(found.unfixable.tolist())
+    line = along(IMAGE, COLOURS, parameter)
+    pixels = np.setdiff1d(np.flatnonzero(line.touched & IMAGE.object_pixels), sorted(outside))
+    spans = spans_inside_all(line, asked, pixels[:10], found.within)
+    assert len(spans.pixel) > 3
+    for pixel, *ends in zip(pixels[spans.pixel], spans.low, spans.high, strict=True):
+        for t in ends:
+            moving = moved_ends(IMAGE, COLOURS, parameter)
+            radiance = exact_pixel(IMAGE.G[[pixel]], IMAGE.interactions, moving, Fraction(float(t)))
+            for column, a, b in zip(bound.matrix.T, bound.lower, bound.upper, strict=True):
+                value = sum(Fraction(float(w)) * r for w, r in zip(column, radiance, strict=True))
+                assert a == -np.inf or value >= Fraction(float(a))
+                assert b == np.inf or value <= Fraction(float(b))
+
+
+def exact_pixel(row, interactions, moving, t):
+    """A pixel's radiance in rationals: the products of the spectra, summed with the coefficients."""
+    total = [Fraction(0)] * len(BANDS)
+    for column, g in zip(row.indices, row.data, strict=True):
+        names = (interactions[column].light, *interactions[column].met)
+        for band in range(len(BANDS)):
+            product = Fraction(float(g))
+            for symbol in names:
+                first, last = moving.get(symbol, (COLOURS[symbol], COLOURS[symbol]))
+                product *= (1 - t) * Fraction(float(first[band])) + t * Fraction(float(last[band]))
+            total[band] += product
+    return total

@@ -7,9 +7,11 @@ import pytest
 from scipy.optimize import linprog
 
 from symrt.gamut.clipping import blocking, clip_slabs
+from symrt.gamut.gamuts import device_gamut as every_gamut
 from symrt.gamut.inks import load_device
 from symrt.gamut.interface import clip
 from symrt.gamut.slabs import device_gamut
+from symrt.spectra.bands import wavelengths
 
 UNIT = Fraction(1, 2**53)
 FEW, MANY = 2_000, 100_000
@@ -246,3 +248,27 @@ def test_ends_are_inside_the_gamut_that_keeps_the_luminance_of_black():
     for end in (found.low[some], found.high[some]):
         assert gamut.violation(origin[some] + end[:, None] * direction[some]).max() <= 1e-15
     assert (found.low > without.low).any()
+
+
+@pytest.mark.parametrize("model", ["monitor", "colorimetric"])
+def test_lines_clipped_by_weighed_bands_end_inside_in_exact_arithmetic(model):
+    """Weights of both signs cancel: the ends keep off the planes by as much as the rounded products can be off."""
+    bands = wavelengths(400, 700, 50)
+    gamut = every_gamut(load_device("crt-brainard" if model == "monitor" else "synthetic-cmyk", bands), model)
+    draw = np.random.default_rng(1)
+    origin, direction = draw.uniform(0, 1, (40, 7)), draw.normal(size=(40, 7)) * 10.0 ** draw.uniform(-6, 6, (40, 1))
+    origin[:10] *= 1e-3
+    slabs, found = gamut.slabs, gamut.clip(origin, direction)
+    weights = [[Fraction(float(v)) for v in column] for column in slabs.matrix.T]
+    ends = 0
+    for o, d, low, high in zip(origin, direction, found.low, found.high, strict=True):
+        if low > high:
+            continue
+        for t in (low, high):
+            point = [Fraction(float(a)) + Fraction(float(t)) * Fraction(float(b)) for a, b in zip(o, d, strict=True)]
+            for column, a, b in zip(weights, slabs.lower, slabs.upper, strict=True):
+                value = sum(w * r for w, r in zip(column, point, strict=True))
+                assert a == -np.inf or value >= Fraction(float(a))
+                assert b == np.inf or value <= Fraction(float(b))
+            ends += 1
+    assert ends >= 40
