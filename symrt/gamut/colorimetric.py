@@ -121,7 +121,7 @@ class ColorimetricGamut:
     def slabs(self) -> Slabs:
         """The half-spaces of reflectances that the solid's faces are."""
         count = len(self.offsets)
-        words = tuple(f"the solid of colours, on its {side} side," for side in self._sides())
+        words = tuple(f"the {side} side of the {self.name}" for side in self._sides())
         no = np.zeros(count, dtype=bool)
         outer = self.offsets + ROUNDING
         return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)
