@@ -14,7 +14,7 @@ from symrt.arrays import Spectrum
 from symrt.feedback.bounds import Bound, nearest_slab
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits
-from symrt.feedback.paints import Line
+from symrt.feedback.lines import Line
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End

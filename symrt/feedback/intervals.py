@@ -12,7 +12,8 @@ from jaxtyping import Bool, Float
 
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
-from symrt.feedback.paints import Line, Paints, painted_intervals
+from symrt.feedback.lines import Line
+from symrt.feedback.paints import Paints, painted_intervals
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
 from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.bands import Number

@@ -14,16 +14,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from symrt.feedback.along import Along, along, along_ends
+from symrt.feedback.along import along_ends
 from symrt.feedback.bounds import Bound
 from symrt.feedback.mixing import absorption, painted
-from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
+from symrt.feedback.parameters import Ends
 from symrt.feedback.polynomials import HALVINGS, ROUNDING, Spans, joined, placed
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Line", "Paints", "line_of", "painted_intervals", "paints"]
+__all__ = ["Paints", "painted_intervals", "paints"]
 
 TILE = 2048
 """Pixels looked at together."""
@@ -113,9 +113,6 @@ class Paints:
         return found
 
 
-Line = Along | Paints
-
-
 def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> Paints:
     """Every pixel's radiance along a blend of paints, from each symbol's spectra at its ends.
 
@@ -147,25 +144,6 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
         degrees=line.degrees,
         terms=line.terms + ROUNDED * int(line.degrees.max(initial=0)),
     )
-
-
-def line_of(system: LinearSystem, palette: Palette, parameter: Parameter) -> Line:
-    """Every pixel's radiance along a parameter: a polynomial, or a blend of paints.
-
-    Examples
-    --------
-    >>> from symrt.feedback.parameters import Blend
-    >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> columns = (Interaction("key", ("ice.diffuse",)), Interaction("key", ("sea.diffuse",)))
-    >>> system = LinearSystem(sparse.csr_array([[0.0, 1.0]]), columns, height=1, width=1, white={"key": 1.0})
-    >>> palette = Palette(RGB, {"key": 1.0, "sea.diffuse": 0.5, "ice.diffuse": 1.0})
-    >>> line_of(system, palette, Blend("sea", "ice", "kubelka-munk")).at(0.5).round(4)
-    array([[0.6096, 0.6096, 0.6096]])
-    """
-    if mixing_of(parameter) == "linear":
-        return along(system, palette, parameter)
-    return paints(system, palette, moved_ends(system, palette, parameter))
 
 
 def painted_intervals(line: Paints, bound: Bound, within: tuple[Number, Number]) -> Spans:

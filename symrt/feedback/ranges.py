@@ -18,7 +18,7 @@ from symrt.feedback.asking import darker_than_black, drawn, inside_all, met, spa
 from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits, limits
-from symrt.feedback.paints import Line, line_of
+from symrt.feedback.lines import Line, line_of
 from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason

@@ -16,7 +16,8 @@ from symrt.arrays import PixelBands, Spectrum
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
 from symrt.feedback.intervals import inside_at, intervals
-from symrt.feedback.paints import Line, Paints
+from symrt.feedback.lines import Line
+from symrt.feedback.paints import Paints
 from symrt.feedback.polynomials import Spans
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.looking import looked_for

@@ -12,8 +12,8 @@ from symrt import gamut
 from symrt.feedback.along import along
 from symrt.feedback.intervals import intervals
 from symrt.feedback.limits import limits
+from symrt.feedback.lines import line_of
 from symrt.feedback.mixing import absorption, mixed, painted, reflected, slopes
-from symrt.feedback.paints import line_of
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut.hull import hull_gamut

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from symrt.arrays import Spectrum
 from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, Drawing, caption, headline, wrapped
 from symrt.feedback.limits import Limits, limits
-from symrt.feedback.paints import line_of
+from symrt.feedback.lines import line_of
 from symrt.feedback.reasons import Feasible
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
