@@ -93,11 +93,12 @@ class ColorimetricGamut:
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
         """Whether the colour of each spectrum is inside; the boundary is."""
-        return self.violation(spectra) <= ROUNDING
+        return self.violation(spectra) == 0
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside."""
-        return ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1).clip(min=0.0)
+        """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside, and within rounding of it."""
+        worst = ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1)
+        return np.where(worst <= ROUNDING, 0.0, worst)
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum nearest to each, by root mean square, among those whose colour is inside."""

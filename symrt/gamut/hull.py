@@ -101,9 +101,9 @@ class HullGamut:
         """The spectrum of the gamut that is nearest to each: at the tolerance from the nearest mixture."""
         mixtures, _ = nearest_mixtures(self.device.samples, spectra)
         away = spectra - mixtures
-        length = np.linalg.norm(away, axis=1, keepdims=True)
-        share = np.minimum(1, self.tolerance * self._root / np.maximum(length, np.finfo(float).tiny))
-        return mixtures + share * away
+        length, enough = np.linalg.norm(away, axis=1, keepdims=True), self.tolerance * self._root
+        share = enough / np.maximum(length, np.finfo(float).tiny)
+        return np.where(length <= enough + EXACT, spectra, mixtures + share * away)
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut."""
@@ -148,7 +148,7 @@ class HullGamut:
         """Where each line is in a ball around the gamut; outside it there is nothing to look for."""
         centre = self.device.samples.mean(axis=0)
         radius = np.linalg.norm(self.device.samples - centre, axis=1).max() + self.tolerance * self._root + EXACT
-        square = np.maximum(np.sum(direction**2, axis=1), np.finfo(float).tiny)
+        square = np.where(direction.any(axis=1), np.sum(direction**2, axis=1), 1.0)
         nearest = -np.sum((origin - centre) * direction, axis=1) / square
         apart = np.sum((origin + nearest[:, None] * direction - centre) ** 2, axis=1)
         half = np.sqrt(np.maximum(radius**2 - apart, 0) / square)

@@ -125,19 +125,23 @@ class MonitorGamut:
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
         """Whether the monitor shows the colour of each spectrum; its boundary it does."""
-        return self.violation(spectra) <= ROUNDING
+        return self.violation(spectra) == 0
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far the worst drive value of each spectrum is outside [0, 1]."""
+        """How far the worst drive value of each spectrum is outside [0, 1]; 0 inside, and within rounding of it."""
         drive = self.driven(spectra)
-        return np.maximum(-drive, drive - 1).max(axis=1).clip(min=0.0)
+        worst = np.maximum(-drive, drive - 1).max(axis=1)
+        return np.where(worst <= ROUNDING, 0.0, worst)
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum nearest to each, by root mean square, among those whose colour is shown."""
-        drive = self.driven(spectra)
         metric = np.linalg.inv(self.drive @ self.drive.T)
-        change = _into_cube(drive, metric) - drive
-        return spectra + change @ metric @ self.drive
+        nearest = spectra.copy()
+        for _ in range(2):  # the second time takes out what rounding left of the first, far away
+            rows = np.flatnonzero(~self.contains(nearest))
+            drive = self.driven(nearest[rows])
+            nearest[rows] += (_into_cube(drive, metric) - drive) @ metric @ self.drive
+        return nearest
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product with a spectrum whose colour is shown; ``inf`` unless colour alone decides it."""

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize, nnls
 
-from symrt.gamut import ConvexGamut, Device, device_gamut, load_device
+from symrt.gamut import Device, device_gamut, load_device
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut
-from symrt.gamut.interface import clip
 from symrt.gamut.mixtures import _by_corrals, nearest_mixtures
 from symrt.spectra.bands import RGB, wavelengths
 
@@ -30,13 +29,6 @@ def device():
 @pytest.fixture(scope="module")
 def hull(device):
     return hull_gamut(device)
-
-
-@pytest.fixture(scope="module", params=["hull", "colorimetric", "monitor", "unit", "envelope"])
-def gamut(request):
-    return device_gamut(
-        load_device("crt-brainard" if request.param == "monitor" else "synthetic-cmyk", BANDS), request.param
-    )
 
 
 def spectra_around(device, count, seed=0):
@@ -127,46 +119,6 @@ def test_deciding_early_decides_the_same(hull, device):
     assert 0.2 < hull.contains(spectra).mean() < 0.95
 
 
-def test_every_convex_gamut_answers_the_same_questions(gamut):
-    assert isinstance(gamut, ConvexGamut)
-    assert "necessary" in gamut.label
-    assert gamut.name in repr(gamut)
-    assert gamut.bands == BANDS
-
-
-def test_nearest_is_inside_and_stays_where_it_is(gamut):
-    spectra = np.random.default_rng(3).uniform(-0.2, 1.3, (60, 7))
-    nearest = gamut.nearest(spectra)
-    assert gamut.contains(nearest).all() or gamut.violation(nearest).max() < 1e-12
-    np.testing.assert_allclose(gamut.nearest(nearest), nearest, atol=1e-9)
-    inside = gamut.contains(spectra)
-    np.testing.assert_allclose(nearest[inside], spectra[inside], atol=1e-12)
-    # A gamut is convex, so that the way to the nearest point is shut by the plane across it.
-    away = spectra - nearest
-    far = np.linalg.norm(away, axis=1) > 1e-6
-    support = gamut.support(away[far])
-    assert np.all((np.sum(away[far] * nearest[far], axis=1) >= support - 1e-8) | np.isinf(support))
-
-
-def test_clip_ends_are_on_the_boundary(gamut):
-    draw = np.random.default_rng(4)
-    origin = np.vstack([draw.uniform(0, 0.9, (30, 7)), np.zeros((10, 7))])
-    direction = np.vstack([draw.normal(0, 1, (30, 7)), draw.uniform(0.3, 1, (10, 7))])
-    found = clip(gamut, origin, direction)
-    met = ~found.empty
-    assert met.sum() > 0
-    for end, outwards in ((found.low, -1), (found.high, 1)):
-        at = origin[met] + end[met, None] * direction[met]
-        assert gamut.violation(at).max() < 1e-9
-        beyond = at + outwards * 1e-6 * direction[met]
-        assert not gamut.contains(beyond).any()
-    middle = origin[met] + (found.low[met] / 3 + found.high[met] * 2 / 3)[:, None] * direction[met]
-    assert gamut.contains(middle).all()
-    missed = np.flatnonzero(found.empty)
-    for t in np.linspace(-2, 2, 81):
-        assert not gamut.contains(origin[missed] + t * direction[missed]).any()
-
-
 def test_hull_clip_agrees_with_a_linear_programme(device):
     bare = HullGamut(device, 0.0, 0.0)
     draw = np.random.default_rng(5)
@@ -183,13 +135,6 @@ def test_hull_clip_agrees_with_a_linear_programme(device):
             for sign in (1, -1)
         ]
         assert (a, b) == pytest.approx(tuple(ends), abs=1e-6)
-
-
-def test_a_line_that_stands_still_is_inside_or_not(hull, device):
-    origin = np.vstack([device.samples[5], np.ones(7) * 1.2])
-    found = hull.clip(origin, np.zeros((2, 7)))
-    assert found.low.tolist() == [-np.inf, np.inf]
-    assert found.high.tolist() == [np.inf, -np.inf]
 
 
 def test_support_is_reached_by_no_point_and_by_one(hull):

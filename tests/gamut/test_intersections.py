@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from feedback import synthetic
+from gamut.every import BANDS, PARTS, made
 from scipy.optimize import linprog, minimize
 
 from symrt.feedback import Scale, feasible
@@ -13,45 +14,17 @@ from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, SlabGamut
 from symrt.gamut.intersections import InkIntersection, Intersection, SlabIntersection
 from symrt.gamut.polyhedra import deepest, nearest_point, supports
-from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import spectrum
 
-BANDS = wavelengths(400, 700, 50)
-KINDS = ("boxes", "luminance", "monitor", "lights", "everything", "hull", "two hulls", "inks")
 
-
-def part(name):
-    model, _, rest = name.partition("/")
-    device = load_device(
-        {"other": "synthetic-cmyk", "monitor": "crt-brainard"}.get(model, "dye3-endura-premier"), BANDS
-    )
-    if model == "other":
-        return device_gamut(device, *rest.split("/"))
-    if model == "colorimetric":
-        return device_gamut(device, model, light=f"illuminant/{rest}")
-    return device_gamut(device, model, rest or "clip")
-
-
-PARTS = {
-    "boxes": ("envelope/strict", "other/envelope"),
-    "luminance": ("envelope/luminance", "other/unit"),
-    "monitor": ("envelope", "monitor"),
-    "lights": ("colorimetric/D50", "colorimetric/A"),
-    "everything": ("envelope/luminance", "monitor", "colorimetric/D50", "colorimetric/A", "other/envelope/strict"),
-    "hull": ("hull", "other/envelope", "monitor"),
-    "two hulls": ("hull", "other/hull"),
-    "inks": ("inks", "other/envelope", "monitor"),
-}
-
-
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=list(PARTS))
 def kind(request):
     return request.param
 
 
 @pytest.fixture(scope="module")
 def both(kind):
-    return intersection([part(name) for name in PARTS[kind]])
+    return intersection([made(name) for name in PARTS[kind]])
 
 
 @pytest.fixture(scope="module")
@@ -89,9 +62,9 @@ def test_a_spectrum_is_inside_if_every_part_contains_it(both, spectra):
     assert 0 < both.contains(spectra).sum() < len(spectra)
 
 
-@pytest.mark.parametrize("name", ["boxes", "luminance", "monitor", "lights", "everything"])
+@pytest.mark.parametrize("name", ["boxes", "luminances", "shown", "lights", "everything"])
 def test_nearest_agrees_with_a_quadratic_optimiser(name):
-    both = intersection([part(one) for one in PARTS[name]])
+    both = intersection([made(one) for one in PARTS[name]])
     rows, bounds = all_rows(both)
     for point in np.random.default_rng(2).uniform(-0.3, 1.3, (12, 7)):
         wanted = minimize(
@@ -107,9 +80,9 @@ def test_nearest_agrees_with_a_quadratic_optimiser(name):
         np.testing.assert_allclose(both.nearest(point[None])[0], wanted.x, atol=2e-6)
 
 
-@pytest.mark.parametrize("name", ["boxes", "luminance", "monitor", "lights", "everything"])
+@pytest.mark.parametrize("name", ["boxes", "luminances", "shown", "lights", "everything"])
 def test_nearest_points_prove_themselves_by_the_support_of_the_way_to_them(name):
-    both = intersection([part(one) for one in PARTS[name]])
+    both = intersection([made(one) for one in PARTS[name]])
     points = np.random.default_rng(3).uniform(-0.3, 1.3, (12, 7))
     near = both.nearest(points)
     away = points - near
@@ -117,9 +90,9 @@ def test_nearest_points_prove_themselves_by_the_support_of_the_way_to_them(name)
     np.testing.assert_allclose(both.support(away), np.sum(away * near, axis=1), atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["hull", "two hulls"])
+@pytest.mark.parametrize("name", ["hulls", "two hulls"])
 def test_nearest_points_of_hulls_are_those_of_one_large_quadratic_programme(name):
-    both = intersection([part(one) for one in PARTS[name]])
+    both = intersection([made(one) for one in PARTS[name]])
     hulls = [one for one in both.parts if isinstance(one, HullGamut)]
     # Fewer prints, so that the optimiser has few weights.
     hulls = [
@@ -164,9 +137,9 @@ def test_nearest_points_of_hulls_are_those_of_one_large_quadratic_programme(name
         assert np.linalg.norm(found - point) == pytest.approx(np.linalg.norm(wanted.x[:7] - point), abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["boxes", "luminance", "monitor", "lights", "everything"])
+@pytest.mark.parametrize("name", ["boxes", "luminances", "shown", "lights", "everything"])
 def test_support_is_the_optimum_of_a_linear_programme_and_never_below_it(name):
-    both = intersection([part(one) for one in PARTS[name]])
+    both = intersection([made(one) for one in PARTS[name]])
     rows, bounds = all_rows(both)
     directions = np.random.default_rng(5).normal(size=(15, 7))
     if name == "lights":
@@ -185,14 +158,14 @@ def test_support_is_the_optimum_of_a_linear_programme_and_never_below_it(name):
 
 def test_hulls_and_inks_have_no_support_and_say_so():
     with pytest.raises(ValueError, match="support of an intersection is that of its planes, and hull of dye3"):
-        intersection([part("hull"), part("monitor")]).support(np.ones((1, 7)))
-    both = intersection([part("inks"), part("monitor")])
+        intersection([made("hull"), made("monitor")]).support(np.ones((1, 7)))
+    both = intersection([made("inks"), made("monitor")])
     assert not isinstance(both, ConvexGamut)
     assert isinstance(both, InkIntersection)
 
 
 def test_slabs_say_the_same_as_the_parts(kind, both, spectra):
-    if kind in {"hull", "two hulls", "inks"}:
+    if kind in {"hulls", "two hulls", "printed"}:
         assert not isinstance(both, SlabGamut)
         return
     assert isinstance(both, SlabGamut)
@@ -203,7 +176,7 @@ def test_slabs_say_the_same_as_the_parts(kind, both, spectra):
     assert len(slabs.words) == slabs.matrix.shape[1]
     for word, band in zip(slabs.words, slabs.bands, strict=True):
         assert word == BANDS.labels[band] if band >= 0 else any(word.endswith(one.name) for one in both.parts)
-    alone = sum(isinstance(one, type(part("unit"))) for one in both.parts)
+    alone = sum(isinstance(one, type(made("unit"))) for one in both.parts)
     assert np.sum(slabs.bands >= 0) == (7 if alone else 0)
 
 
@@ -225,7 +198,7 @@ def test_slabs_of_boxes_are_the_narrower_bounds_and_know_whose_they_are():
 
 
 def test_clipping_is_what_every_part_allows(kind, both, spectra):
-    if kind == "inks":
+    if kind == "printed":
         return
     origin, direction = spectra, np.random.default_rng(6).normal(size=spectra.shape)
     found = both.clip(origin, direction)
@@ -239,7 +212,7 @@ def test_clipping_is_what_every_part_allows(kind, both, spectra):
 
 
 def test_lines_through_what_inks_print_are_cut_where_a_part_ends():
-    both = intersection([part("inks"), part("monitor")])
+    both = intersection([made("inks"), made("monitor")])
     device = load_device("dye3-endura-premier", BANDS)
     origin, direction = device.samples[[0, 100, 400]], device.samples[[728, 500, 0]] - device.samples[[0, 100, 400]]
     found = both.clip(origin, direction, (-0.2, 1.0))
@@ -254,7 +227,7 @@ def test_lines_through_what_inks_print_are_cut_where_a_part_ends():
 
 
 def test_the_nearest_of_inks_is_the_nearest_print_that_every_part_contains():
-    both = intersection([part("inks"), part("monitor")])
+    both = intersection([made("inks"), made("monitor")])
     spectra = np.random.default_rng(8).uniform(0, 1, (20, 7))
     prints = load_device("dye3-endura-premier", BANDS).samples
     prints = prints[both.contains(prints)]
@@ -274,7 +247,7 @@ def test_the_nearest_of_inks_is_the_nearest_print_that_every_part_contains():
     ],
 )
 def test_the_label_says_what_follows_from_all_parts_and_lists_each(names, whole):
-    parts = [part(name) for name in names]
+    parts = [made(name) for name in names]
     both = intersection(parts)
     assert both.label.partition(" (")[0] == whole
     for one in parts:
@@ -287,12 +260,12 @@ def test_the_label_says_what_follows_from_all_parts_and_lists_each(names, whole)
 
 
 def test_intersections_of_intersections_are_flat_and_one_gamut_is_itself():
-    one, other, third = part("envelope"), part("monitor"), part("colorimetric/A")
+    one, other, third = made("envelope"), made("monitor"), made("colorimetric/A")
     nested = intersection([intersection([one, other]), third])
     assert nested.parts == (one, other, third)
     assert intersection([one]) is one
     assert isinstance(nested, SlabIntersection)
-    assert isinstance(intersection([one, part("hull")]), Intersection)
+    assert isinstance(intersection([one, made("hull")]), Intersection)
     device = load_device("dye3-endura-premier", BANDS)
     assert len(intersection([device_gamut(device), device_gamut(device, "colorimetric")]).devices) == 1
 
@@ -301,7 +274,7 @@ def test_gamuts_that_cannot_be_intersected_are_named():
     with pytest.raises(ValueError, match="no gamuts to intersect"):
         intersection([])
     with pytest.raises(ValueError, match=r"envelope of dye3.* is in Bands\(36 .*load_device\(name, bands\)"):
-        intersection([device_gamut(load_device("dye3-endura-premier"), "envelope"), part("monitor")])
+        intersection([device_gamut(load_device("dye3-endura-premier"), "envelope"), made("monitor")])
 
 
 def greys(name, low, high):
@@ -315,11 +288,11 @@ def test_what_has_nothing_in_common_is_said_to_be_empty():
     dark, light = (greys(*given) for given in (("dark", 0.1, 0.4), ("light", 0.5, 0.8)))
     boxes = [device_gamut(device, "envelope", "strict") for device in (dark, light)]
     with pytest.raises(ValueError, match=r"nothing is inside all of: envelope of dark, .*; envelope of light"):
-        intersection([part("unit"), *boxes])
+        intersection([made("unit"), *boxes])
     with pytest.raises(ValueError, match=r"nothing is inside all of: hull of dark's prints.*; hull of light's"):
-        intersection([part("unit"), HullGamut(dark, 0.04, 0.0), HullGamut(light, 0.04, 0.0)])
+        intersection([made("unit"), HullGamut(dark, 0.04, 0.0), HullGamut(light, 0.04, 0.0)])
     with pytest.raises(ValueError, match=r"nothing is inside all of: hull of dark's prints.*; envelope of light"):
-        intersection([HullGamut(dark, 0.04, 0.0), boxes[1], part("inks")])
+        intersection([HullGamut(dark, 0.04, 0.0), boxes[1], made("inks")])
     # Boxes may touch: what they share is a point, and inside.
     touching = intersection([boxes[0], device_gamut(greys("next", 0.4, 0.7), "envelope", "strict")])
     np.testing.assert_array_equal(touching.nearest(np.zeros((1, 7))), np.full((1, 7), 0.4))
@@ -331,7 +304,7 @@ def test_what_has_nothing_in_common_is_said_to_be_empty():
 
 def test_another_white_moves_the_parts_that_it_moves():
     lamp = spectrum("illuminant/A", BANDS)
-    one, other = part("envelope/luminance"), part("monitor")
+    one, other = made("envelope/luminance"), made("monitor")
     both = intersection([one, other]).under(lamp)
     spectra = np.random.default_rng(7).uniform(0, 1, (50, 7))
     np.testing.assert_array_equal(
@@ -349,7 +322,7 @@ def test_intersections_are_saved_and_come_back_bit_for_bit(kind, both, spectra, 
         "contains",
         "violation",
         "nearest",
-        *([] if kind in {"hull", "two hulls", "inks"} else ["support"]),
+        *([] if kind in {"hulls", "two hulls", "printed"} else ["support"]),
     ):
         np.testing.assert_array_equal(getattr(again, question)(some), getattr(both, question)(some))
 

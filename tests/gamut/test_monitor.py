@@ -5,7 +5,6 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 from symrt.gamut.inks import load_device
-from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.monitor import load_monitor, monitor_gamut, monitors
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.library import colour_science, display_primaries, spectrum
@@ -60,11 +59,6 @@ def test_the_white_of_an_image_is_not_divided_out():
     assert not lamp.contains(grey)[0]
     assert daylight.contains(grey)[0]
     np.testing.assert_allclose(daylight.driven(grey), gamut.under(7 * spectrum("illuminant/D65", bands)).driven(grey))
-
-
-def test_it_answers_like_any_convex_gamut(gamut):
-    assert isinstance(gamut, ConvexGamut)
-    assert "not for the spectrum" in repr(gamut)
 
 
 def test_nearest_is_inside_and_no_other_optimiser_comes_nearer(gamut):

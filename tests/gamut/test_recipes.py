@@ -69,14 +69,6 @@ def test_a_yes_comes_with_its_proof(device):
     np.testing.assert_array_equal(gamut.violation(spectra) == 0, inside)
 
 
-def test_nearest_is_inside_and_stays_where_it_is(device):
-    gamut = ink_gamut(device)
-    spectra = np.random.default_rng(5).uniform(0, 1, (30, len(BANDS)))
-    nearest = gamut.nearest(spectra)
-    assert gamut.contains(nearest).all()
-    np.testing.assert_array_equal(gamut.nearest(nearest), nearest)
-
-
 def test_mixtures_of_prints_need_not_be_prints(device):
     ends = reflectance(device, np.eye(len(device.inks))[:2] * device.printer.most)
     middle = ends.mean(axis=0, keepdims=True)
