@@ -17,7 +17,7 @@ from symrt.arrays import Spectrum
 from symrt.feedback.bounds import Bound, bound_of
 from symrt.feedback.solids import Solid
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
@@ -56,7 +56,7 @@ class Limits:
         A bound on the reflectance that the depth limit left out of any pixel, and of every result.
     """
 
-    gamut: ConvexGamut | InkGamut
+    gamut: ConvexGamut | UnevenGamut
     upper: Bound
     dark: Bound | None
     luminance: Spectrum
@@ -82,7 +82,7 @@ class Limits:
 
 
 def limits(
-    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut, reference: Reference | None = None
 ) -> Limits:
     """The bounds of a gamut on the radiances of a system.
 
@@ -135,7 +135,7 @@ def limits(
 
 
 def rising_limits(
-    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut, reference: Reference | None = None
 ) -> Limits:
     """The same for what needs bounds that a pixel meets once, as it gets lighter.
 
@@ -158,7 +158,7 @@ def rising_limits(
 
 
 def white_in_every_band(
-    system: LinearSystem, palette: Palette, reference: Reference, gamuts: Sequence[ConvexGamut | InkGamut]
+    system: LinearSystem, palette: Palette, reference: Reference, gamuts: Sequence[ConvexGamut | UnevenGamut]
 ) -> Spectrum:
     """The radiance that is a reflectance of 1, for gamuts that look at all bands at once.
 
@@ -187,17 +187,17 @@ def white_in_every_band(
     return white / reference.exposure
 
 
-def _parts(gamut: ConvexGamut | InkGamut) -> list[ConvexGamut | InkGamut]:
+def _parts(gamut: ConvexGamut | UnevenGamut) -> list[ConvexGamut | UnevenGamut]:
     """The gamuts that one is the intersection of; itself, if it is none."""
     return [part for one in getattr(gamut, "parts", ()) for part in _parts(one)] or [gamut]
 
 
-def _has_own_black(gamut: ConvexGamut | InkGamut) -> bool:
+def _has_own_black(gamut: ConvexGamut | UnevenGamut) -> bool:
     """Whether its dark end is that of prints, and not bounds band by band or a monitor's."""
     return bool(gamut.devices) and not isinstance(gamut, Gamut)
 
 
-def _solid(gamut: ConvexGamut | InkGamut, shown: Spectrum) -> Solid:
+def _solid(gamut: ConvexGamut | UnevenGamut, shown: Spectrum) -> Solid:
     """One of them against the reference."""
     if not isinstance(gamut, SlabGamut) and not shown.all():
         raise ValueError(f"the reference leaves bands dark that {gamut.name} needs: use Reference('equal-energy')")

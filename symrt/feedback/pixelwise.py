@@ -17,7 +17,7 @@ from tqdm.auto import tqdm
 from symrt.feedback.limits import white_in_every_band
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, clip
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
@@ -67,7 +67,7 @@ class Mapped:
 def map_pixels(
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     *,
     towards: Target = "neutral",
     smoothness: Number = 0.0,
@@ -120,7 +120,7 @@ def map_pixels(
     moved = seen.copy()
     if towards == "nearest":
         moved[outside] = _nearest(gamut, seen[outside], progress)
-    elif isinstance(gamut, InkGamut):
+    elif isinstance(gamut, UnevenGamut):
         raise ValueError(f"{gamut.name}: not convex, so that a line may leave it and return; choose towards='nearest'")
     else:
         moved = _towards(system, gamut, seen, outside, towards, float(smoothness), progress)
@@ -137,7 +137,7 @@ def map_pixels(
     )
 
 
-def _nearest(gamut: ConvexGamut | InkGamut, outside: Reflectances, progress: bool) -> Reflectances:
+def _nearest(gamut: ConvexGamut | UnevenGamut, outside: Reflectances, progress: bool) -> Reflectances:
     parts = [gamut.nearest(outside[rows]) for rows in _chunks(len(outside), progress)]
     return np.concatenate([outside[:0], *parts])
 

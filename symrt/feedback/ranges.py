@@ -26,7 +26,7 @@ from symrt.feedback.sensitivity import Sensitivity, sensitivities
 from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
 from symrt.feedback.weighing import Weighed, weighed
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -44,7 +44,7 @@ Why = Callable[[End, float], Reason]
 def feasible(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     parameter: Parameter,
     *,
     within: Range | None = None,

@@ -16,8 +16,8 @@ from symrt.arrays import Spectrum
 from symrt.feedback.limits import white_in_every_band
 from symrt.feedback.parameters import material_of
 from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
-from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, whites
@@ -123,7 +123,7 @@ class Report:
 def report(
     system: LinearSystem,
     palette: Palette,
-    gamuts: Sequence[ConvexGamut | InkGamut],
+    gamuts: Sequence[ConvexGamut | UnevenGamut],
     reference: Reference | None = None,
     *,
     most: int = ASKED,
@@ -182,7 +182,7 @@ class _Image:
 class _Answer:
     """What a gamut answers for each pixel."""
 
-    gamut: ConvexGamut | InkGamut
+    gamut: ConvexGamut | UnevenGamut
     inside: Bool[np.ndarray, " pixel"]
     violation: Float[np.ndarray, " pixel"]
     seconds: float
@@ -199,7 +199,7 @@ def _image(system: LinearSystem, palette: Palette, pixels: Pixels, shown: Spectr
     return _Image(places, shade(part, palette).values[0] * shown, palette.bands, materials)
 
 
-def _answer(gamut: ConvexGamut | InkGamut, image: _Image) -> _Answer:
+def _answer(gamut: ConvexGamut | UnevenGamut, image: _Image) -> _Answer:
     start = time.perf_counter()
     inside = gamut.contains(image.seen)
     violation = np.zeros(inside.size)

@@ -20,8 +20,8 @@ from symrt.feedback.lines import Line
 from symrt.feedback.paints import Paints
 from symrt.feedback.polynomials import Spans
 from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.looking import looked_for
-from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Number
 
 __all__ = ["Solid", "swept"]
@@ -48,7 +48,7 @@ class Solid:
         What makes a reflectance of a radiance, band by band.
     """
 
-    gamut: ConvexGamut | InkGamut
+    gamut: ConvexGamut | UnevenGamut
     bound: Bound | None
     shown: Spectrum
 
@@ -89,7 +89,7 @@ class Solid:
         if isinstance(seen, Paints):
             return Spans(*looked_for(lambda i, t: gamut.contains(seen.points(i, t)), len(seen.degrees), within))
         c = seen.coefficients(slice(None))
-        if isinstance(gamut, InkGamut) or seen.degree > 1:
+        if isinstance(gamut, UnevenGamut) or seen.degree > 1:
             return Spans(*looked_for(lambda i, t: gamut.contains(_points(seen, c[:, i], t)), c.shape[1], within))
         direction = c[-1] - c[0] if seen.form == "bernstein" else c[1] if len(c) > 1 else np.zeros_like(c[0])
         found = gamut.clip(c[0], direction)

@@ -26,15 +26,14 @@ from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.gamut.device import Device
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.intersections import AnyIntersection, InkIntersection, intersection
+from symrt.gamut.intersections import AnyIntersection, UnevenGamut, intersection
 from symrt.gamut.monitor import Monitor, MonitorGamut
-from symrt.gamut.recipes import InkGamut
 from symrt.gamut.records import GAMUTS, Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
 
 __all__ = ["load_gamut", "save_gamut"]
 
 KIND = Kind("gamut", 2, "save a gamut with save_gamut first", "save it again with save_gamut")
-SavedGamut = ConvexGamut | InkGamut | InkIntersection
+SavedGamut = ConvexGamut | UnevenGamut
 LARGEST_MEMBER = 1 << 30
 """Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
 

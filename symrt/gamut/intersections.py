@@ -24,7 +24,7 @@ from symrt.gamut.polyhedra import supports
 from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Bands, Number
 
-__all__ = ["AnyIntersection", "InkIntersection", "Intersection", "SlabIntersection", "intersection"]
+__all__ = ["AnyIntersection", "InkIntersection", "Intersection", "SlabIntersection", "UnevenGamut", "intersection"]
 
 
 class _Parts(Protocol):
@@ -246,10 +246,13 @@ class InkIntersection(_Parts):
 
 AnyIntersection = Intersection | SlabIntersection | InkIntersection
 
+UnevenGamut = InkGamut | InkIntersection
+"""Gamuts that are not convex: single spectra can be asked, and lines may leave them and return."""
+
 
 def intersection(
-    gamuts: Sequence[ConvexGamut | InkGamut | InkIntersection],
-) -> ConvexGamut | InkGamut | InkIntersection:
+    gamuts: Sequence[ConvexGamut | UnevenGamut],
+) -> ConvexGamut | UnevenGamut:
     """What lies inside all of some gamuts, of several devices or under several viewing lights.
 
     Parameters

@@ -8,7 +8,7 @@ from feedback import synthetic
 from gamut.every import BANDS, PARTS, made
 from scipy.optimize import linprog, minimize
 
-from symrt.feedback import Scale, feasible
+from symrt.feedback import Scale, feasible, map_pixels, report
 from symrt.gamut import Device, device_gamut, intersection, load_device, load_gamut, save_gamut
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, SlabGamut
@@ -353,3 +353,21 @@ def test_a_range_in_an_intersection_is_what_the_ranges_in_its_parts_have_in_comm
             continue
         assert whole.low == pytest.approx(max(one.low for one in each), rel=1e-9)
         assert whole.high == pytest.approx(min(one.high for one in each), rel=1e-9)
+
+
+def test_feedback_takes_intersections_with_what_inks_print():
+    system, palette = synthetic.system(4, 4), synthetic.palette()
+    parts = [
+        device_gamut(load_device("dye3-endura-premier"), "inks", tolerance=0.2),
+        device_gamut(load_device("crt-brainard"), "monitor"),
+    ]
+    both = intersection(parts)
+    white = palette["key"] / np.pi
+    shares = [verdict.inside for verdict in report(system, palette, [*parts, both]).verdicts]
+    assert shares[2] <= min(shares[:2])
+    moved = map_pixels(system, palette, both, towards="nearest", progress=False)
+    seen = moved.image.values[system.object_pixels.reshape(4, 4)] / white
+    assert both.under(white).violation(seen).max() < 1e-9
+    found = feasible(system, palette, both, Scale("key"), within=(0.2, 1.0), cap=False)
+    shown = feasible(system, palette, parts[1], Scale("key"), within=(0.2, 1.0), cap=False)
+    assert found.verdict == "rest-only" or found.high <= shown.high
