@@ -5,14 +5,16 @@ otherwise, of the mean of min(Y, 1) over the image given.  An objective whose be
 as a lower bound, from the brightest image inside; if even that one is too dark, there is no acceptable solution.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.feedback.filling import Filled, Task, darkest, lightest
-from symrt.feedback.objectives import Regions, brightest, closest, contrast, lexicographic
+from symrt.feedback.leaving import leave_out
+from symrt.feedback.objectives import Regions, brightest, closest, contrast, levelled
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
@@ -33,47 +35,63 @@ class Answer(NamedTuple):
     acceptable: bool
 
 
-def answered(
+def answered(  # noqa: PLR0913  # what a fit was told
     task: Task,
     goal: Goal,
     *,
     allowed_dark: Number = 0.0,
     regions: Regions | None = None,
     least_luminance: Number = 0.5,
+    budget: int = 0,
 ) -> Answer:
-    """The scales that an objective asks for, and whether they leave enough of the picture."""
+    """The scales that an objective asks for, and whether they leave enough of the picture.
+
+    A budget of pixels may be left outside.
+    """
+    enough = least_luminance * (1 - ROUNDING)
     if goal in ("lightest", "darkest"):
-        found = lightest(task)
+        found = lightest(task, budget)
         if goal == "darkest":
             found = darkest(task, found, allowed_dark)
         kept = _kept(task, found)
-        return Answer(found, kept, goal == "darkest" or kept >= least_luminance * (1 - ROUNDING))
-    best = _found(_ask(task, goal, allowed_dark, regions)(0.0, None), goal)
+        return Answer(found, kept, goal == "darkest" or kept >= enough)
+    if goal == "lexicographic":
+        task, budget = _levelled(task, budget)
+    best = _found(leave_out(task, _ask(goal, allowed_dark, regions), budget), goal)
     kept = _kept(task, best)
-    if kept >= least_luminance * (1 - ROUNDING) or goal == "brightest":
-        return Answer(best, kept, kept >= least_luminance * (1 - ROUNDING))
-    light = _found(brightest(task, allowed_dark), "brightest")
+    if kept >= enough or goal == "brightest":
+        return Answer(best, kept, kept >= enough)
+    light = _found(leave_out(task, _ask("brightest", allowed_dark, None), budget), "brightest")
     if _kept(task, light) < least_luminance:
         return Answer(best, kept, acceptable=False)
     floor = float(least_luminance) * _mean(task, task.palette, _seen(task, light), 1.0)
-    again = _ask(task, goal, allowed_dark, regions)(floor, light)
-    if again is None or _kept(task, again) < least_luminance * (1 - ROUNDING):
+    # Lower bounds start from an image in which they hold: with the pixels left out that it leaves out.
+    bright = replace(task, left_out=light.left_out)
+    spare = budget - (len(light.left_out) - len(task.left_out))
+    again = leave_out(bright, _ask(goal, allowed_dark, regions, floor, light.values), spare)
+    if again is None or _kept(task, again) < enough:
         return Answer(best, kept, acceptable=False)
     return Answer(again, _kept(task, again), acceptable=True)
 
 
+def _levelled(task: Task, budget: int) -> tuple[Task, int]:
+    level = levelled(task, budget)
+    return level, budget - (len(level.left_out) - len(task.left_out))
+
+
 def _ask(
-    task: Task, goal: Goal, allowed_dark: Number, regions: Regions | None
-) -> Callable[[float, Filled | None], Filled | None]:
-    def ask(floor: float, start: Filled | None) -> Filled | None:
-        values = None if start is None else start.values
-        if goal == "closest":
-            return closest(task, allowed_dark, floor, values)
-        if goal == "lexicographic":
-            return lexicographic(task, allowed_dark, floor, values)
+    goal: Goal,
+    allowed_dark: Number,
+    regions: Regions | None,
+    floor: float = 0.0,
+    start: Mapping[str, float] | None = None,
+) -> Callable[[Task], Filled | None]:
+    def ask(task: Task) -> Filled | None:
         if goal == "contrast":
-            return contrast(task, regions, allowed_dark, floor, values)
-        return brightest(task, allowed_dark)
+            return contrast(task, regions, allowed_dark, floor, start)
+        if goal == "brightest":
+            return brightest(task, allowed_dark)
+        return closest(task, allowed_dark, floor, start)
 
     return ask
 
@@ -85,10 +103,14 @@ def _found(found: Filled | None, goal: Goal) -> Filled:
 
 
 def _kept(task: Task, found: Filled) -> float:
-    """Mean luminance as a share of the mean of min(Y, 1) of the image given, without the pixels left out."""
+    """Mean luminance as a share of the mean of min(Y, 1) of the image given, without what no scales bring inside.
+
+    Pixels that are left outside may be lighter than white: they count with min(Y, 1), too.
+    """
     seen = _seen(task, found)
     given = _mean(task, task.palette, seen, 1.0)
-    return _mean(task, task.painted(found.values), seen) / given if given else 1.0
+    most = 1.0 if len(found.left_out) else np.inf
+    return _mean(task, task.painted(found.values), seen, most) / given if given else 1.0
 
 
 def _seen(task: Task, found: Filled) -> Int[np.ndarray, " pixel"]:

@@ -8,7 +8,7 @@ and stops where a pixel would fall below the device's black.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -38,7 +38,7 @@ INWARD = 8
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What is filled: a system, the symbols of each scale, and the bounds, a little tighter than asked."""
+    """What is filled: a system, the symbols of each scale, the bounds, and the pixels that need not be inside."""
 
     system: LinearSystem
     palette: Palette
@@ -46,6 +46,7 @@ class Task:
     symbols: Mapping[str, frozenset[str]]
     within: tuple[float, float]
     cap: bool
+    left_out: Pixels = field(default_factory=lambda: np.zeros(0, dtype=int))
 
     def painted(self, values: Mapping[str, float]) -> Palette:
         """The palette with some of the scales at their values, the others at 1."""
@@ -71,7 +72,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Filled:
-    """Values and reasons of the scales, the pixels left out, those that stay above black, and what it took."""
+    """Values and reasons of the scales, pixels that are not kept inside, those above black, and what it took."""
 
     values: Mapping[str, float]
     reasons: Mapping[str, Reason]
@@ -80,14 +81,22 @@ class Filled:
     optimum: Literal["global", "local"] = "global"
     rounds: int = 0
     rows: int = 0
+    left_out: Pixels = field(default_factory=lambda: np.zeros(0, dtype=int))
+    cost: float = 0.0
 
 
-def lightest(task: Task) -> Filled:
-    """Raise the level; freeze what brightens a binding pixel there; go on with the rest."""
+def lightest(task: Task, budget: int = 0) -> Filled:
+    """Raise the level; freeze what brightens a binding pixel there; go on with the rest.
+
+    A budget of pixels may be left outside.  Nothing gets darker as scales rise, so that the pixels outside when all
+    share a value are outside wherever none is below it: the level is that of the first pixel beyond the budget.
+    """
     low, high = task.within
     values: dict[str, float] = {}
     reasons: dict[str, Reason] = {}
     rows, unfixable, level = first_limits(task)
+    out = task.left_out
+    optimum: Literal["global", "local"] = "global"
     while free := frozenset(task.symbols).difference(values):
         line = task.line(values, free)
         bound = task.asked.upper
@@ -96,10 +105,15 @@ def lightest(task: Task) -> Filled:
         limit = np.full(len(touched), low)
         limit[found.pixel] = found.high
         capped = task.capped(values, free)
-        level = max(level, min(float(limit.min(initial=high)), capped.value))
+        reached = min(float(np.sort(limit)[budget]) if budget < len(limit) else high, capped.value)
+        spared = touched[limit < reached]
+        out, rows, budget = np.append(out, spared), np.setdiff1d(rows, spared), budget - len(spared)
+        touched, limit, level = touched[limit >= reached], limit[limit >= reached], max(level, reached)
         stopped: Mapping[str, Reason] = {}
         if limit.min(initial=high) <= level < high:
             stopped = _stopped(task, values, free, line, End("upper", int(touched[limit.argmin()])), level)
+            # Pixels that bind together leave a choice of whom to spare.
+            optimum = "local" if budget else optimum
         elif capped.value <= level < high:
             why = Reason("cap", band=capped.band, symbol=capped.symbol)
             stopped = {n: why for n in sorted(free) if task.symbols[n] & capped.symbols}
@@ -107,13 +121,14 @@ def lightest(task: Task) -> Filled:
             stopped = dict.fromkeys(sorted(free), Reason("range"))
         values |= dict.fromkeys(stopped, level)
         reasons |= stopped
-    return Filled(values, reasons, unfixable)
+    return Filled(values, reasons, unfixable, optimum=optimum, left_out=np.sort(out))
 
 
 def first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
     """Pixels that may bind, those that no common scale brings inside, and the level to start at."""
     line = task.line({}, frozenset(task.symbols))
     bound, touched = task.asked.upper, np.flatnonzero(line.touched)
+    touched = np.setdiff1d(touched, task.left_out)
     found = intervals(line.seen(bound.matrix, touched), bound, task.within, INWARD)
     return touched[found.pixel[found.high < task.within[1]]], np.delete(touched, found.pixel), task.within[0]
 

@@ -17,10 +17,12 @@ from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.spectra.bands import Number
 
-__all__ = ["Joint", "counted_pixels", "joint"]
+__all__ = ["LEAST", "Joint", "counted_pixels", "joint"]
 
 NEARLY = 1e-9
 """A row that is so near to its bound at the low end leaves its scales no room."""
+LEAST = 1e-9
+"""Of the high end of the range, where logarithms begin if the low end is 0."""
 
 Point = Float[np.ndarray, " scale"]
 Pixels = Int[np.ndarray, " _"]
@@ -87,7 +89,7 @@ def counted_pixels(task: Task, bound: Bound, filled: Mapping[str, float], allowe
 def _with_pinned(task: Task, values: Mapping[str, float], pixels: Pixels) -> Joint:
     free = {name: symbols for name, symbols in task.symbols.items() if name not in values}
     painted = task.painted(values)
-    floor = max(task.within[0], 1e-9 * task.within[1])
+    floor = max(task.within[0], LEAST * task.within[1])
     return Joint(
         task=task,
         names=tuple(free),

@@ -14,7 +14,7 @@ from jaxtyping import Int
 from symrt.feedback.acceptance import OBJECTIVES, Goal, answered
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
-from symrt.feedback.filling import Task
+from symrt.feedback.filling import Filled, Task, first_limits
 from symrt.feedback.intervals import certified, inside_at
 from symrt.feedback.limits import Bound, Limits, rising_limits
 from symrt.feedback.objectives import Regions
@@ -41,6 +41,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     objective: Goal = "lightest",
     within: Range = (0.01, 3.0),
     black: Black | None = None,
+    allowed_out: Number = 0.0,
     allowed_dark: Number = 0.0,
     reference: Reference | None = None,
     cap: bool = True,
@@ -62,6 +63,12 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         The least and the largest scale.
     black
         What becomes of the dark, if other than the gamut says: see `Gamut`.
+    allowed_out
+        Share of the object pixels that may be outside; those that no scales bring inside count.  Which ones is chosen
+        with the scales.  That choice is exact where all scales move together: with a single scale, in the factor that
+        all share in the ``"lightest"``, and in the least scale of the ``"lexicographic"`` one.  Otherwise it is
+        combinatorial: what is found is the best nearby (``optimum``), and never worse than with none left out.  A
+        mean luminance is that of all pixels, and ``"darkest"`` leaves out those that the ``"lightest"`` does.
     allowed_dark
         Share of the pixels above black with the palette given that the darkest image may let fall below.
     reference, cap
@@ -93,41 +100,47 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     >>> found = fit(system, palette, device_gamut(device), [Scale("ice"), Scale("sea")], cap=False)
     >>> {name: round(value, 9) for name, value in found.values.items()}
     {'ice': 1.25, 'sea': 3.0}
+
+    With half of the pixels allowed out, the sun may be as bright as the sea can be printed; ice is left out:
+
+    >>> found = fit(system, palette, device_gamut(device), [Scale("sun")], allowed_out=0.5, within=(0.5, 10))
+    >>> round(found.values["sun"], 9), found.left_out
+    (10.0, array([0]))
     """
     start = time.perf_counter()
-    if objective not in OBJECTIVES:
-        raise ValueError(f"objective = {objective!r}: there are {', '.join(OBJECTIVES)}")
-    if regions is not None and objective != "contrast":
-        raise ValueError(f"regions were given, which the objective {objective!r} does not look at: use 'contrast'")
-    check_share(allowed_dark, "allowed_dark")
+    _check(objective, regions, allowed_out=allowed_out, allowed_dark=allowed_dark, least_luminance=least_luminance)
     if black is not None:
         gamut = device_gamut(gamut.device, gamut.model, black)
     task = task_of(system, palette, rising_limits(system, palette, gamut, reference), scales, within, cap)
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
-    check_share(least_luminance, "least_luminance")
-    found, kept, acceptable = answered(
-        task, objective, allowed_dark=allowed_dark, regions=regions, least_luminance=least_luminance
-    )
-    fitted = task.painted(found.values)
     objects = np.flatnonzero(system.object_pixels)
     untouched = objects[~whole.touched[objects]]
-    bound = task.asked.upper
-    outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
+    outside = untouched[~inside_at(whole.seen(task.asked.upper.matrix, untouched), task.asked.upper, 0.0)]
+    most = int(allowed_out * len(objects) + 1e-9)
+    found, kept, acceptable = answered(
+        task,
+        objective,
+        allowed_dark=allowed_dark,
+        regions=regions,
+        least_luminance=least_luminance,
+        budget=max(0, most - len(outside) - len(first_limits(task)[1])),
+    )
+    fitted = task.painted(found.values)
     final = along_ends(system, fitted, {})
-    certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([outside, found.unfixable])))
-    if task.asked.dark is not None and found.lit is not None:
-        certify(final, whole, task.asked.dark, found.lit)
+    left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside))
+    out = len(outside) + len(found.unfixable) + len(left_out)
     return Fit(
         palette=fitted,
         values=found.values,
         reasons=found.reasons,
         objective=objective,
         within=task.within,
-        verdict=_verdict(len(outside) + len(found.unfixable), acceptable),
+        verdict=_verdict(out > most, acceptable),
         untouched_outside=outside,
         unfixable=found.unfixable,
+        left_out=left_out,
         dark=dark_share(final, task.asked, objects, 1.0),
         objects=len(objects),
         above_one=above_one(fitted),
@@ -141,7 +154,28 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     )
 
 
-def _verdict(outside: int, acceptable: bool) -> Literal["complete", "rest-only", "unacceptable"]:
+def _check(objective: Goal, regions: Regions | None, **shares: Number) -> None:
+    """Refuse what does not fit together."""
+    if objective not in OBJECTIVES:
+        raise ValueError(f"objective = {objective!r}: there are {', '.join(OBJECTIVES)}")
+    if regions is not None and objective != "contrast":
+        raise ValueError(f"regions were given, which the objective {objective!r} does not look at: use 'contrast'")
+    for name, share in shares.items():
+        check_share(share, name)
+
+
+def _certified(final: Along, whole: Along, task: Task, found: Filled, objects: Pixels) -> Pixels:
+    """Make sure that all pixels are inside but those left out; of these, the ones that cannot be certified."""
+    bound, spared = task.asked.upper, np.setdiff1d(found.left_out, found.unfixable)
+    inside = certified(final.seen(bound.matrix, spared), whole.seen(bound.matrix, spared), bound)
+    left_out = spared[~inside]
+    certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([found.unfixable, left_out])))
+    if task.asked.dark is not None and found.lit is not None:
+        certify(final, whole, task.asked.dark, found.lit)
+    return left_out
+
+
+def _verdict(outside: bool, acceptable: bool) -> Literal["complete", "rest-only", "unacceptable"]:
     if not acceptable:
         return "unacceptable"
     return "rest-only" if outside else "complete"

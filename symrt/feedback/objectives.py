@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.convex import Planes, distance
 from symrt.feedback.filling import Filled, Task, lightest
-from symrt.feedback.joint import Joint, counted_pixels, joint
+from symrt.feedback.joint import LEAST, Joint, counted_pixels, joint
 from symrt.feedback.planes import affine, largest
 from symrt.feedback.posynomials import Posynomials, sliders, stacked
 from symrt.feedback.programmes import Programme, Solved, solved
@@ -27,7 +27,7 @@ from symrt.feedback.settling import GROWTH, near, raised
 from symrt.spectra.bands import Number
 from symrt.spectra.shading import gamma
 
-__all__ = ["Mask", "Regions", "brightest", "closest", "contrast", "lexicographic", "mean_luminance"]
+__all__ = ["Mask", "Regions", "brightest", "closest", "contrast", "levelled", "mean_luminance"]
 
 Mask = Bool[np.ndarray, "height width"]
 Regions = Sequence[tuple[Mask, Mask]]
@@ -44,17 +44,28 @@ def closest(task: Task, allowed_dark: Number = 0.0, floor: float = 0.0, start: V
     found = joint(task)
     origin = np.clip(np.zeros(len(found.names)), found.low, found.high)
     programme = Programme(distance(origin), found.image, found.caps, found.box, floors=_floor(found, floor))
-    return _finished(found, programme, allowed_dark, start, most=max(1.0, task.within[0]))
+    answer = _finished(found, programme, allowed_dark, start, most=max(1.0, task.within[0]))
+    return None if answer is None else replace(answer, cost=_change(task, answer.values))
 
 
-def lexicographic(
-    task: Task, allowed_dark: Number = 0.0, floor: float = 0.0, start: Values | None = None
-) -> Filled | None:
-    """The closest of those in which no scale falls below the largest factor, at most 1, that all could share."""
-    level = min(1.0, *lightest(task).values.values())
-    if not task.within[0] < level < min(1.0, task.within[1]):
-        return closest(task, allowed_dark, floor, start)
-    return closest(replace(task, within=(level, task.within[1])), allowed_dark, floor, start)
+def _change(task: Task, values: Values) -> float:
+    """Half the squared distance, in logarithms, from where the range is nearest to the palette given."""
+    low, high = np.maximum(task.within, LEAST * task.within[1])
+    away = np.log(np.maximum(list(values.values()), low)) - np.clip(0.0, np.log(low), np.log(high))
+    return float(away @ away) / 2
+
+
+def levelled(task: Task, budget: int = 0) -> Task:
+    """What *lexicographic* leaves to *closest*: no scale below the largest factor, at most 1, that all could share.
+
+    Of the pixels allowed to be left out, those that are outside at that factor are.
+    """
+    low, high = task.within
+    level = min(1.0, *lightest(task, budget).values.values())
+    if not low < level < min(1.0, high):
+        return task
+    shared = lightest(replace(task, within=(low, level)), budget)
+    return replace(task, within=(level, high), left_out=shared.left_out)
 
 
 def brightest(task: Task, allowed_dark: Number = 0.0) -> Filled | None:
@@ -62,7 +73,8 @@ def brightest(task: Task, allowed_dark: Number = 0.0) -> Filled | None:
     found = joint(task)
     light = mean_luminance(found)
     if found.names and task.asked.dark is None and affine(found.image):
-        return _settled(found, largest(light, found), None, None)
+        answer = largest(light, found)
+        return replace(_settled(found, answer, None, None), cost=-float(light.at(answer.y)[0][0]))
     return _finished(found, _ratio_programme(found, [light], [_one(found)], 0.0), allowed_dark, None, None)
 
 
@@ -141,7 +153,9 @@ def _finished(
         programme = replace(programme, dark=dark)
     logs = found.low if start is None else np.log([start[name] for name in found.names])
     answer = solved(programme, _with_ratio(programme, logs))
-    return None if answer is None else _settled(found, answer, counted, most)
+    if answer is None:
+        return None
+    return replace(_settled(found, answer, counted, most), cost=programme.objective(answer.y)[0])
 
 
 def _with_ratio(programme: Programme, y: Point) -> Float[np.ndarray, " variable"]:
@@ -174,6 +188,7 @@ def _settled(found: Joint, answer: Solved, counted: Pixels | None, most: float |
         answer.optimum,
         answer.rounds,
         answer.rows,
+        task.left_out,
     )
 
 

@@ -184,12 +184,14 @@ class Fit:
     reasons
         For each scale, what stopped it there.
     verdict
-        ``"complete"``: every pixel is inside; ``"rest-only"``: every pixel but those listed;
+        ``"complete"``: no more pixels are outside than allowed; ``"rest-only"``: more are, whatever the scales;
         ``"unacceptable"``: too little of the image's luminance would be left.
     untouched_outside
         Pixels that are outside and do not depend on the scales.
     unfixable
         Pixels that are outside even with all scales at the low end of the range.
+    left_out
+        Pixels that other scales would bring inside, and that are outside because a share of them may be.
     dark
         Share of the object pixels that come out darker than the device's black.
     objects
@@ -214,6 +216,7 @@ class Fit:
     verdict: Literal["complete", "rest-only", "unacceptable"]
     untouched_outside: Int[np.ndarray, " outside"]
     unfixable: Int[np.ndarray, " unfixable"]
+    left_out: Int[np.ndarray, " left"]
     dark: float
     objects: int
     above_one: tuple[str, ...]
@@ -224,6 +227,11 @@ class Fit:
     note: str
     width: int
     seconds: float
+
+    @property
+    def share_out(self) -> float:
+        """Share of the object pixels that are outside."""
+        return (len(self.untouched_outside) + len(self.unfixable) + len(self.left_out)) / max(1, self.objects)
 
     def __repr__(self) -> str:
         lines = [f"{name} × {value:.4g}, where {self.reasons[name]}." for name, value in self.values.items()]
@@ -250,6 +258,8 @@ class Fit:
 
     def _exceptions(self) -> list[str]:
         lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+        if len(self.left_out):
+            lines.insert(0, f"{len(self.left_out)} of {self.objects} object pixels are left outside, as allowed.")
         work = f"{self.rounds} programmes of up to {self.rows} rows, " if self.rounds else ""
         return [*lines, f"{work}{self.seconds:.2f} s; mean luminance {self.luminance:.1%} of the image given."]
 
