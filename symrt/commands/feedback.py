@@ -79,6 +79,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     palette: option.PaletteName = None,
     palettes: option.PaletteFile = None,
     within: option.Within = None,
+    allowed_out: option.AllowedOut = 0.0,
     cap: option.Cap = True,
     device: option.DeviceName = option.DEVICE,
     model: option.ModelName = None,
@@ -101,7 +102,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size)
     options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
-    found = rt.fit(system, spectra, limits, scales, least_luminance=least_luminance, **options)
+    options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
+    found = rt.fit(system, spectra, limits, scales, **options)
     if out is not None:
         # A picture is seen as the fit was asked; other files hold the radiances as they are.
         view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}

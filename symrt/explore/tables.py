@@ -157,6 +157,8 @@ def fit_record(found: Fit) -> dict[str, Any]:
         "object pixels": found.objects,
         "untouched outside": _places(found, found.untouched_outside),
         "unfixable": _places(found, found.unfixable),
+        "left out": _places(found, found.left_out),
+        "share outside": found.share_out,
         "share darker than black": found.dark,
         "above one": list(found.above_one),
         "note": found.note,

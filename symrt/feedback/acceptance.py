@@ -35,7 +35,7 @@ class Answer(NamedTuple):
     acceptable: bool
 
 
-def answered(  # noqa: PLR0913  # what a fit was told
+def answered(
     task: Task,
     goal: Goal,
     *,

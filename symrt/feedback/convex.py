@@ -26,7 +26,7 @@ MET = 1e-9
 """What counts as satisfied: of constraints, and of the sum of gradients relative to its parts."""
 NOISE = 1e-8
 """Residuals below this are left to Newton's method, which is then close."""
-MOST_STEPS = 150
+MOST_STEPS = 500
 UNBOUNDED = 1e13
 """Duals above this, relative to the gradient, show that the constraints contradict each other."""
 SHORTEST = 1e-3

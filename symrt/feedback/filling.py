@@ -9,15 +9,17 @@ and stops where a pixel would fall below the device's black.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import UNLIMITED, Cap, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Bound, Limits
+from symrt.feedback.outermost import outermost
 from symrt.feedback.parameters import with_spectra
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
@@ -47,6 +49,11 @@ class Task:
     within: tuple[float, float]
     cap: bool
     left_out: Pixels = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    @cached_property
+    def deciding(self) -> tuple[Pixels, Pixels]:
+        """Pixels that decide for all that may bind, and those that no common scale brings inside."""
+        return _first_limits(self, every=False)
 
     def painted(self, values: Mapping[str, float]) -> Palette:
         """The palette with some of the scales at their values, the others at 1."""
@@ -94,7 +101,7 @@ def lightest(task: Task, budget: int = 0) -> Filled:
     low, high = task.within
     values: dict[str, float] = {}
     reasons: dict[str, Reason] = {}
-    rows, unfixable, level = first_limits(task)
+    rows, unfixable, level = first_limits(task, every=budget > 0)
     out = task.left_out
     optimum: Literal["global", "local"] = "global"
     while free := frozenset(task.symbols).difference(values):
@@ -108,6 +115,8 @@ def lightest(task: Task, budget: int = 0) -> Filled:
         reached = min(float(np.sort(limit)[budget]) if budget < len(limit) else high, capped.value)
         spared = touched[limit < reached]
         out, rows, budget = np.append(out, spared), np.setdiff1d(rows, spared), budget - len(spared)
+        if len(spared) and not budget:
+            rows = outermost(task.system.G, rows)
         touched, limit, level = touched[limit >= reached], limit[limit >= reached], max(level, reached)
         stopped: Mapping[str, Reason] = {}
         if limit.min(initial=high) <= level < high:
@@ -124,13 +133,35 @@ def lightest(task: Task, budget: int = 0) -> Filled:
     return Filled(values, reasons, unfixable, optimum=optimum, left_out=np.sort(out))
 
 
-def first_limits(task: Task) -> tuple[Pixels, Pixels, float]:
-    """Pixels that may bind, those that no common scale brings inside, and the level to start at."""
-    line = task.line({}, frozenset(task.symbols))
-    bound, touched = task.asked.upper, np.flatnonzero(line.touched)
-    touched = np.setdiff1d(touched, task.left_out)
-    found = intervals(line.seen(bound.matrix, touched), bound, task.within, INWARD)
-    return touched[found.pixel[found.high < task.within[1]]], np.delete(touched, found.pixel), task.within[0]
+def first_limits(task: Task, *, every: bool = False) -> tuple[Pixels, Pixels, float]:
+    """Pixels that may bind, those that no common scale brings inside, and the level to start at.
+
+    Of the pixels that may bind those that decide for the others, unless every one is asked for.
+    """
+    rows, unfixable = _first_limits(task, every=True) if every else task.deciding
+    return rows, unfixable, task.within[0]
+
+
+def _first_limits(task: Task, *, every: bool) -> tuple[Pixels, Pixels]:
+    line, bound, (low, high) = task.line({}, frozenset(task.symbols)), task.asked.upper, task.within
+    touched = np.setdiff1d(np.flatnonzero(line.touched), task.left_out)
+    rows = touched if every else outermost(task.system.G, touched)
+    inside = _inside(line, bound, rows, low)
+    if not every and not inside.all():
+        # What is outside hides what it decided for.
+        inside = _inside(line, bound, touched, low)
+        rows = np.union1d(outermost(task.system.G, touched[inside]), touched[~inside])
+        inside = _inside(line, bound, rows, low)
+    kept = rows[inside]
+    return kept[~_inside(line, bound, kept, high)], rows[~inside]
+
+
+def _inside(line: Along, bound: Bound, pixels: Pixels, value: float) -> Bool[np.ndarray, " pixel"]:
+    """Whether pixels are inside for sure when all scales share a value."""
+    found = intervals(line.seen(bound.matrix, pixels), bound, (value, value), INWARD)
+    inside = np.zeros(len(pixels), dtype=bool)
+    inside[found.pixel] = True
+    return inside
 
 
 def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:

@@ -5,13 +5,12 @@ descent: from an answer the scales go straight towards what the objective would 
 as the pixels that come out on the way are few enough; those are left out, the best scales for the rest are found, and
 so on until nothing improves.  Pixels come out one by one on a straight line, because in logarithms of the scales each
 allows a convex set.  It starts from the answer with no pixel left out, so that it is never worse than that; from the
-same in several steps; from the pixels that all scales would leave out together; and from those that are farthest
-outside where the objective pulls.  Where a single answer is quickly found, pixels that bind are then exchanged for
-others for as long as it pays.  With a single scale all pixels come out in the order of their limits, and the answer is
-exact.
+pixels that all scales would leave out together; and from those that are farthest outside where the objective pulls.
+Where the best scales are quickly found it also goes in several steps, and exchanges pixels that bind for others as long
+as it pays.  With a single scale all pixels come out in the order of their limits, and the answer is exact.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +22,9 @@ from symrt.feedback.posynomials import Sliders, sliders
 
 __all__ = ["leave_out"]
 
-MOST_ROUNDS = 20
+MOST_ROUNDS = 10
+EXCHANGES = 12
+"""Tries, each of two questions."""
 HALVINGS = 52
 """Of a line, after which its points are the same to rounding."""
 STEPS = 8
@@ -75,8 +76,10 @@ def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
     See `symrt.feedback.fit` with ``allowed_out``.
     """
     first = ask(task)
-    rows = first_limits(task)[0]
-    if first is None or budget <= 0 or not len(rows):
+    if first is None or budget <= 0:
+        return first
+    rows, _, _ = first_limits(task, every=True)
+    if not len(rows):
         return first
     search = _Search(task, ask, sliders(task.system, task.palette, task.symbols, task.asked.upper, rows), budget)
     free = search.asked(rows)
@@ -89,12 +92,9 @@ def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
     aim = search.point(free)
     if len(task.symbols) == 1:
         return _descended(search, first, aim)
-    starts = (
-        first,
-        _stepped(search, first, aim),
-        search.asked(lightest(task, budget).left_out),
-        search.asked(farthest),
-    )
+    starts = [first, search.asked(lightest(task, budget).left_out), search.asked(farthest)]
+    if first.optimum == "global":
+        starts.append(_stepped(search, first, aim))
     best = min(
         (_descended(search, start, aim) for start in starts if start is not None), key=lambda answer: answer.cost
     )
@@ -120,28 +120,20 @@ def _stepped(search: _Search, found: Filled, aim: Point) -> Filled:
 
 def _exchanged(search: _Search, found: Filled) -> Filled:
     """Leave out a pixel that binds, and keep the one that is then least outside, for as long as it pays."""
-    for _ in range(MOST_ROUNDS):
-        better = next(_exchanges(search, found), None)
-        if better is None:
-            break
-        found = better
-    return found
-
-
-def _exchanges(search: _Search, found: Filled) -> Iterator[Filled]:
-    y, image = search.point(found), search.image
-    out = search.outside(y)
-    share, _ = image.brightest(y)
-    for pixel in image.pixels[(share <= 1) & (share > 1 - NEAR)]:
-        freed = search.asked(np.append(out, pixel))
+    image, tried = search.image, np.zeros(0, dtype=int)
+    for _ in range(EXCHANGES):
+        share, _ = image.brightest(search.point(found))
+        binding = np.setdiff1d(image.pixels[(share <= 1) & (share > 1 - NEAR)], tried)
+        freed = search.asked(np.append(image.pixels[share > 1], binding[0])) if len(binding) else None
         if freed is None:
-            continue
-        still = np.flatnonzero(image.brightest(search.point(freed))[0] > 1)
-        share = image.brightest(search.point(freed))[0][still]
-        kept = image.pixels[still[np.argsort(share, kind="stable")[max(0, len(still) - search.budget) :]]]
-        other = search.asked(kept)
+            break
+        tried = np.append(tried, binding[0])
+        share, _ = image.brightest(search.point(freed))
+        farthest = np.argsort(-share, kind="stable")[: min(search.budget, int((share > 1).sum()))]
+        other = search.asked(image.pixels[farthest])
         if other is not None and other.cost < found.cost - PROGRESS * abs(found.cost):
-            yield other
+            found = other
+    return found
 
 
 def _on_the_way(search: _Search, y: Point, aim: Point) -> Pixels:

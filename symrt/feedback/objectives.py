@@ -19,6 +19,7 @@ from jaxtyping import Bool, Float, Int
 from symrt.feedback.convex import Planes, distance
 from symrt.feedback.filling import Filled, Task, lightest
 from symrt.feedback.joint import LEAST, Joint, counted_pixels, joint
+from symrt.feedback.outermost import outermost
 from symrt.feedback.planes import affine, largest
 from symrt.feedback.posynomials import Posynomials, sliders, stacked
 from symrt.feedback.programmes import Programme, Solved, solved
@@ -149,7 +150,8 @@ def _finished(
     if task.asked.dark is not None and start is not None:
         free = {name: task.symbols[name] for name in found.names}
         counted = counted_pixels(task, task.asked.dark, start, allowed_dark)
-        dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, counted, upper=False)
+        deciding = outermost(task.system.G, counted, upper=False)
+        dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
         programme = replace(programme, dark=dark)
     logs = found.low if start is None else np.log([start[name] for name in found.names])
     answer = solved(programme, _with_ratio(programme, logs))
@@ -203,5 +205,5 @@ def _extremes(task: Task) -> tuple[Pixels, Pixels]:
     """The lightest and the darkest pixels of the image given."""
     objects = np.flatnonzero(task.system.object_pixels)
     luminance = task.system.G[objects] @ (gamma(task.system.interactions, task.palette) @ task.asked.luminance)
-    low, high = np.percentile(luminance, (BOTTOM, TOP))
+    low, high = np.percentile(luminance, (BOTTOM, TOP)) if len(objects) else (0.0, 0.0)
     return objects[luminance >= high], objects[(luminance <= low) & (luminance > 0)]

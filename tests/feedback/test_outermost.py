@@ -1,0 +1,47 @@
+"""The pixels that decide for all others: the largest of all is among them, whatever lights and materials."""
+
+import numpy as np
+import pytest
+from feedback.synthetic import awkward, system
+from scipy import sparse
+
+from symrt.feedback.outermost import outermost
+
+
+def some_systems():
+    random = np.random.default_rng(0)
+    dense = random.uniform(0, 1, (3000, 4)) ** 2
+    circle = np.column_stack([np.cos(t := np.linspace(0, np.pi / 2, 2000)), np.sin(t)])
+    equal = np.repeat([[0.5, 0.25, 0.125]], 300, axis=0)
+    flat = np.column_stack([t, 1 - t, np.zeros_like(t)])[t < 1]
+    sizes = dense * 10.0 ** np.array([-9, -3, 3, 9])
+    return [sparse.csr_array(m) for m in (dense, circle, equal, flat, sizes)] + [system().G, awkward(3)[0].G]
+
+
+@pytest.mark.parametrize("matrix", some_systems(), ids=lambda matrix: str(matrix.shape))
+@pytest.mark.parametrize("upper", [True, False])
+def test_the_extreme_of_every_sum_is_among_them(matrix, upper):
+    random = np.random.default_rng(1)
+    pixels = np.flatnonzero(np.diff(matrix.indptr))
+    found = outermost(matrix, pixels, upper=upper)
+    assert np.isin(found, pixels).all()
+    assert (np.diff(found) > 0).all()
+    support = np.unique(matrix[pixels].toarray() > 0, axis=0)
+    for _ in range(50):
+        spectra = random.exponential(1, matrix.shape[1]) ** 3 / np.maximum(matrix.max(axis=0).toarray().ravel(), 1e-12)
+        value = matrix @ spectra
+        for columns in support:
+            same = pixels[((matrix[pixels].toarray() > 0) == columns).all(axis=1)] if len(support) < 4 else pixels
+            best, among = value[same], value[np.intersect1d(found, same)]
+            if upper:
+                assert best.max() <= among.max() * (1 + 1e-14)
+            else:
+                assert best.min() >= among.min() * (1 - 1e-14)
+
+
+def test_few_are_left_of_a_smooth_picture_and_one_of_equal_pixels():
+    t, s = np.meshgrid(np.linspace(0, 1, 100), np.linspace(0, 1, 100))
+    matrix = sparse.csr_array(np.column_stack([(t * s).ravel() + 0.1, (1 - t**2).ravel() + 0.1]))
+    assert len(outermost(matrix, np.arange(10000))) <= 200
+    assert outermost(sparse.csr_array(np.ones((50, 3))), np.arange(7, 50)).tolist() == [7]
+    assert not len(outermost(sparse.csr_array((4, 3)), np.arange(4)))
