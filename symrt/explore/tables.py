@@ -45,7 +45,7 @@ def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
     """
     facts: dict[str, Any] = {
         "gamut": gamut.name,
-        "inside proves": f"{gamut.label} for a print, not sufficient" if isinstance(gamut, Gamut) else gamut.label,
+        "inside proves": f"{gamut.label}, not sufficient" if isinstance(gamut, Gamut) else gamut.label,
         "bands": len(gamut.bands),
         "first band": gamut.bands.labels[0],
         "last band": gamut.bands.labels[-1],

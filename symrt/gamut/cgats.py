@@ -11,17 +11,23 @@ References
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symrt.errors import shown
-from symrt.gamut.measured import Measured, Row, from_rows, is_spectral, number
+from symrt.gamut.measured import Measured, Row, conditions, from_rows, is_spectral, number
 
 __all__ = ["decoded", "read_cgats"]
 
 TOKEN = re.compile(r'"((?:[^"]|"")*)"|(#.*)|([^\s"#]\S*)|(")')
 """A quoted field, a comment, a plain field, or a quote that nothing closes."""
+CONDITIONS = (
+    *("DESCRIPTOR", "ORIGINATOR", "MANUFACTURER", "CREATED", "PRINT_CONDITIONS", "MATERIAL"),
+    *("INSTRUMENTATION", "TARGET_INSTRUMENT", "MEASUREMENT_SOURCE", "MEASUREMENT_GEOMETRY", "FILTER", "POLARIZATION"),
+    "SAMPLE_BACKING",
+)
+"""Keywords of the head that say how prints were made and measured."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,9 @@ def read_cgats(text: str) -> Measured:
         raise ValueError(f"{len(charts)} tables with spectra: keep one measurement a file")
     table = charts[0] if charts else tables[0]
     _check_counts(table)
-    return from_rows(table.fields, table.rows, _declared(table))
+    chart = from_rows(table.fields, table.rows, _declared(table))
+    told = [(keyword, table.head[keyword][1]) for keyword in CONDITIONS if keyword in table.head]
+    return replace(chart, note=chart.note + conditions(told))
 
 
 def decoded(content: bytes) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.errors import shown
-from symrt.gamut.measured import Measured, fractions, number
+from symrt.gamut.measured import Measured, conditions, fractions, number
 from symrt.spectra.bands import Bands
 
 __all__ = ["read_cxf"]
@@ -37,11 +37,8 @@ def read_cxf(content: bytes) -> Measured:
     """
     _check_xml(content)
     root = ET.fromstring(content)
-    ranges = {
-        specification.get("Id"): found
-        for specification in root.iterfind(".//{*}ColorSpecification")
-        if (found := specification.find(".//{*}WavelengthRange")) is not None
-    }
+    specifications = {one.get("Id"): one for one in root.iterfind(".//{*}ColorSpecification")}
+    ranges = {name: one.find(".//{*}WavelengthRange") for name, one in specifications.items()}
     objects = [(o, o.findall("{*}ColorValues/{*}ReflectanceSpectrum")) for o in root.iterfind(".//{*}Object")]
     prints = [(o, spectra[0]) for o, spectra in objects if spectra]
     if not prints:
@@ -52,9 +49,22 @@ def read_cxf(content: bytes) -> Measured:
         if others != bands:
             raise ValueError(f"{_name(o)}: {others!r}, but {bands!r} before it; keep one measurement a file")
     reflectances, note = fractions(np.array([values for _, values in spectra]), [_name(o) for o, _ in prints])
+    told = [_conditions(specifications.get(spectrum.get("ColorSpecification"))) for _, spectrum in prints]
+    if odd := [o for (o, _), said in zip(prints, told, strict=True) if said != told[0]]:
+        raise ValueError(f"{_name(odd[0])}: measured otherwise than the prints before it; keep one measurement a file")
+    more = sum(len(spectra) > 1 for _, spectra in objects)
     inks, amounts = _amounts([o for o, _ in prints])
     ignored = f" {len(objects) - len(prints)} objects have no spectrum." if len(objects) > len(prints) else ""
-    return Measured(bands, reflectances, amounts, inks, note + ignored)
+    ignored += f" {more} objects have more than one, of which the first was read." if more else ""
+    return Measured(bands, reflectances, amounts, inks, note + ignored + conditions(told[0]))
+
+
+def _conditions(specification: ET.Element | None) -> list[tuple[str, str]]:
+    """What a specification says of how prints were measured, but for wavelengths."""
+    measurement = None if specification is None else specification.find("{*}MeasurementSpec")
+    if measurement is None:
+        return []
+    return [(e.tag.rpartition("}")[2], e.text.strip()) for e in measurement.iter() if (e.text or "").strip() and e.text]
 
 
 def _check_xml(content: bytes) -> None:

@@ -47,8 +47,10 @@ class HalftoneFit:
         Root mean square error of the reflectance, over all prints and bands.
     worst_rms
         That of the print it tells worst.
-    delta_e, worst_delta_e
-        Mean and largest CIEDE2000.
+    delta_e, delta_e_95, worst_delta_e
+        CIEDE2000: its mean, what 95 % of the prints do not pass, and the largest.
+    worst_print
+        The number of the print that differs most in colour, from 0.
     undetermined
         How many combinations of primaries the chart leaves open, of 2 to the power of the number of inks.
     light
@@ -60,7 +62,9 @@ class HalftoneFit:
     rms: float
     worst_rms: float
     delta_e: float
+    delta_e_95: float
     worst_delta_e: float
+    worst_print: int
     undetermined: int
     light: str
 
@@ -68,7 +72,8 @@ class HalftoneFit:
         left = f"; {self.undetermined} overprints not determined by the chart" if self.undetermined else ""
         return (
             f"HalftoneFit({self.printer!r}: RMS {self.rms:.5f}, worst {self.worst_rms:.5f}; ΔE2000 {self.delta_e:.3f}, "
-            f"worst {self.worst_delta_e:.3f}, under {self.light}{left})"
+            f"95 % within {self.delta_e_95:.3f}, worst {self.worst_delta_e:.3f} (print {self.worst_print}), under "
+            f"{self.light}{left})"
         )
 
 
@@ -187,7 +192,9 @@ def _judged(device: Device, printer: Halftone, light: str) -> HalftoneFit:
         rms=float(np.sqrt(np.mean(errors**2))),
         worst_rms=float(errors.max()),
         delta_e=float(differences.mean()),
+        delta_e_95=float(np.percentile(differences, 95)),
         worst_delta_e=float(differences.max()),
+        worst_print=int(differences.argmax()),
         undetermined=shares.shape[1] - int(np.linalg.matrix_rank(shares, rtol=UNDETERMINED)),
         light=light,
     )

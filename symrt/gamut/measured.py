@@ -14,7 +14,7 @@ from jaxtyping import Float
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 
-__all__ = ["Measured", "Row", "fractions", "from_rows", "is_spectral", "number"]
+__all__ = ["Measured", "Row", "conditions", "fractions", "from_rows", "is_spectral", "number"]
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 SPECTRAL = re.compile(
@@ -119,6 +119,20 @@ def fractions(
             f"{unit}, as the largest, {values.max():g}, tells; correct or drop the print"
         )
     return reflectances, f"Reflectances were read as {unit}: the largest is {values.max():g}."
+
+
+def conditions(told: Sequence[tuple[str, str]]) -> str:
+    """How prints were made and measured, as their file tells it: a sentence for the provenance.
+
+    Examples
+    --------
+    >>> conditions([("INSTRUMENTATION", "a spectrophotometer"), ("MEASUREMENT_SOURCE", "M1")])
+    " Its head says INSTRUMENTATION 'a spectrophotometer', MEASUREMENT_SOURCE 'M1'."
+    >>> conditions([])
+    ' Its head does not say how it was measured.'
+    """
+    said = ", ".join(f"{name} {shown(text)}" for name, text in told if text)
+    return f" Its head says {said}." if said else " Its head does not say how it was measured."
 
 
 def number(text: str, where: str) -> float:

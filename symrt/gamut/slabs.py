@@ -63,8 +63,10 @@ class Gamut:
     upper: Spectrum
     weights: Spectrum | None = None
 
-    label = "necessary"
-    """What being inside proves."""
+    @property
+    def label(self) -> str:
+        """What being inside proves: of the unit gamut nothing about this printer."""
+        return {"unit": "necessary for a print of any printer", "envelope": "necessary for a print"}[self.model]
 
     @property
     def name(self) -> str:
@@ -211,7 +213,8 @@ def device_gamut(device: Device, model: Model | str = "unit", black: Black | str
     --------
     >>> from symrt.gamut.inks import load_device
     >>> device_gamut(load_device("dye3-endura-premier"), "envelope", black="strict")
-    Gamut(envelope of dye3-endura-premier, black kept in every band (modelled); inside is necessary, not sufficient)
+    Gamut(envelope of dye3-endura-premier, black kept in every band (modelled); inside is necessary for a
+    print, not sufficient)
     """
     if model not in ("unit", "envelope"):
         raise ValueError(f"model = {model!r}: there are 'unit' and 'envelope'")

@@ -228,6 +228,33 @@ def test_every_variant_of_cxf_says_the_same(tmp_path, variant):
     assert "1 objects have no spectrum" in device.provenance
 
 
+def test_the_provenance_says_how_a_chart_was_measured_as_far_as_its_head_does(tmp_path):
+    file = tmp_path / "chart.txt"
+    file.write_text(text_chart(head='INSTRUMENTATION "Spectro 5"\nMEASUREMENT_SOURCE "Illumination=M1 UVCut=No"'))
+    said = load_device(file).provenance
+    assert "INSTRUMENTATION 'Spectro 5', MEASUREMENT_SOURCE 'Illumination=M1 UVCut=No'." in said
+    cxf = tmp_path / "chart.cxf"
+    cxf.write_text(cxf_chart(), encoding="utf-8")
+    assert load_device(cxf).provenance.endswith("Its head does not say how it was measured.")
+    device = "<cc:Device><cc:DeviceFilter>Filter_None</cc:DeviceFilter>"
+    device += "<cc:DeviceIllumination>M1_Daylight</cc:DeviceIllumination></cc:Device>"
+    told = cxf_chart().replace("<cc:WavelengthRange", f"{device}<cc:WavelengthRange")
+    cxf.write_text(told, encoding="utf-8")
+    assert "DeviceFilter 'Filter_None', DeviceIllumination 'M1_Daylight'." in load_device(cxf).provenance
+    # The first print under another condition than the rest: colours that nothing would have.
+    other = told.replace("CS1", "CS0", 1)
+    second = '<cc:ColorSpecification Id="CS0"><cc:MeasurementSpec><cc:Device><cc:DeviceIllumination>M0_Incandescent'
+    second += (
+        '</cc:DeviceIllumination></cc:Device><cc:WavelengthRange StartWL="380" Increment="10"/></cc:MeasurementSpec>'
+    )
+    second += "</cc:ColorSpecification>"
+    cxf.write_text(
+        other.replace("<cc:ColorSpecification Id", f"{second}<cc:ColorSpecification Id", 1), encoding="utf-8"
+    )
+    with pytest.raises(ValueError, match=r"object '2': measured otherwise than the prints before it"):
+        load_device(cxf)
+
+
 LAUGHS = "<!DOCTYPE x [<!ENTITY a 'ha'>" + "".join(
     f"<!ENTITY {chr(98 + i)} '{f'&{chr(97 + i)};' * 10}'>" for i in range(12)
 )

@@ -12,6 +12,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from symrt.gamut.colorimetry import tristimulus
 from symrt.gamut.device import Device, reflectance
 from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.fitting import fit_halftone
@@ -19,6 +20,7 @@ from symrt.gamut.halftone import Halftone, demichel, synthetic_devices
 from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
+from symrt.spectra.library import colour_science
 
 BANDS = wavelengths(400, 700, 50)
 
@@ -124,7 +126,15 @@ def test_noise_in_the_chart_comes_back_as_the_fits_error():
     # The fit takes up 60 of 2,856 numbers' worth of noise, and weighs it by R^(1/n - 1), so that some more is left.
     assert fit.rms == pytest.approx(noise, rel=0.02)
     assert fit.rms < fit.worst_rms < 0.01
-    assert 0 < fit.delta_e < fit.worst_delta_e
+    seen = [r @ tristimulus(given.bands, fit.light) for r in (fit.printer.printed(given.amounts), given.samples)]
+    white = tristimulus(given.bands, fit.light).sum(axis=0)
+    colour = colour_science()
+    off = colour.delta_E(*(colour.XYZ_to_Lab(xyz, colour.XYZ_to_xy(white)) for xyz in seen), method="CIE 2000")
+    assert fit.delta_e == pytest.approx(off.mean(), rel=0.01)
+    assert fit.worst_delta_e == pytest.approx(off.max(), rel=0.01)
+    assert fit.worst_print == off.argmax()
+    assert np.mean(off <= fit.delta_e_95 * 1.02) >= 0.95 > np.mean(off <= fit.delta_e_95 * 0.95)
+    assert f"worst {fit.worst_delta_e:.3f} (print {fit.worst_print})" in repr(fit)
     fresh = chart(made_by, seed=7)
     assert np.sqrt(np.mean((fit.printer.printed(fresh.amounts) - fresh.samples) ** 2)) < 0.002
 

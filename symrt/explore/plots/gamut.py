@@ -132,7 +132,7 @@ def _segments_caption(gamut: Gamut, light: str, exposure: Number, components: tu
 
 
 def _inside_text(gamut: Gamut) -> str:
-    return f"{device_text(gamut.device)} Being inside is {gamut.label} for a print, not sufficient."
+    return f"{device_text(gamut.device)} Being inside is {gamut.label}, not sufficient."
 
 
 def device_text(device: Device) -> str:
