@@ -13,9 +13,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.along import Along, along, along_ends
+from symrt.feedback.asking import inside_all, spans_inside_all
+from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import INWARD, UNLIMITED, Cap, grouped
 from symrt.feedback.intervals import inside_at, intervals
-from symrt.feedback.limits import Bound, Limits
+from symrt.feedback.limits import Limits
 from symrt.feedback.pairs import given_value
 from symrt.feedback.parameters import Parameter, moved, moved_ends, with_spectra
 from symrt.feedback.polynomials import ROUNDING, Spans
@@ -28,7 +30,7 @@ from symrt.system import LinearSystem
 
 __all__ = ["Image", "Line", "Plane", "image", "line_at", "spans_of", "without_unfixable"]
 
-Pixels = Int[np.ndarray, " pixel"]
+Pixels = Int[np.ndarray, " _"]
 Mask = Bool[np.ndarray, " pixel"]
 TILE = 2048
 NONE = Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
@@ -79,12 +81,12 @@ class Line(NamedTuple):
 
 def image(plane: Plane) -> Image:
     """The pixels that may bind somewhere in the plane."""
-    system, bound, dark = plane.system, plane.asked.upper, plane.asked.dark
+    system, dark = plane.system, plane.asked.dark
     objects = plane.objects
     first, second = (along(system, plane.palette, parameter) for parameter in (plane.one, plane.other))
     touched = first.touched | second.touched
     still, moving = objects[~touched[objects]], objects[touched[objects]]
-    inside = inside_at(first.seen(bound.matrix, still), bound, given_value(plane.one))
+    inside = inside_all(first, plane.asked, still, given_value(plane.one))
     counted = np.zeros(len(moving), dtype=bool)
     if dark is not None:
         counted = inside_at(first.seen(dark.matrix, moving), dark, given_value(plane.one))
@@ -102,7 +104,7 @@ def without_unfixable(plane: Plane, image: Image, values: Float[np.ndarray, " li
             break
         left = image.only(hopeless)
         painted = moved(left.part, plane.palette, plane.one, float(value))
-        spans = _spans(left, along(left.part, painted, plane.other), plane.asked.upper, plane.within[1])
+        spans = _spans(left, along(left.part, painted, plane.other), plane.asked, plane.within[1])
         hopeless[np.flatnonzero(hopeless)[np.unique(spans.pixel)]] = False
     return image.only(~hopeless)._replace(unfixable=image.pixels[hopeless])
 
@@ -111,11 +113,11 @@ def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
     """What keeps the other parameter in its range with the one at a value, if `budget` pixels may be outside."""
     painted, within = moved(image.part, plane.palette, plane.one, value), plane.within[1]
     line = along(image.part, painted, plane.other)
-    spans = _spans(image, line, plane.asked.upper, within)
+    spans = _spans(image, line, plane.asked, within)
     limiting = [pieces(spans, within, len(image.pixels) - max(0, budget), "upper")]
     if plane.asked.dark is not None:
-        found = _spans(image, line, plane.asked.dark, within)
-        found = Spans(*(column[image.dark[found.pixel]] for column in found))
+        lit = np.flatnonzero(image.dark)
+        found = _sure(image, line, plane.asked.dark, _dark_spans(line, plane.asked.dark, lit, within))
         limiting.append(pieces(found, within, int(image.dark.sum()), "dark"))
     least, most = _caps(plane, painted) if plane.cap else (ENDLESS, UNLIMITED)
     if least.value <= most.value:
@@ -132,11 +134,21 @@ def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
     )
 
 
-def spans_of(line: Along, bound: Bound, within: tuple[float, float]) -> Spans:
-    """The parts of a line in which each pixel is inside: of those that it does not touch all or nothing."""
+def spans_of(line: Along, asked: Limits, within: tuple[float, float]) -> Spans:
+    """The parts of a line in which each pixel is inside; where it is not touched that is all of it or nothing."""
     touched, still = np.flatnonzero(line.touched), np.flatnonzero(~line.touched)
+    found = spans_inside_all(line, asked, touched, within) if len(touched) else NONE
+    return _joined(touched, found, still[inside_all(line, asked, still, within[0])], within)
+
+
+def _dark_spans(line: Along, bound: Bound, lit: Pixels, within: tuple[float, float]) -> Spans:
+    """The same for the black that some of the pixels must keep."""
+    touched, still = lit[line.touched[lit]], lit[~line.touched[lit]]
     found = intervals(line.seen(bound.matrix, touched), bound, within) if len(touched) else NONE
-    inside = still[inside_at(line.seen(bound.matrix, still), bound, within[0])]
+    return _joined(touched, found, still[inside_at(line.seen(bound.matrix, still), bound, within[0])], within)
+
+
+def _joined(touched: Pixels, found: Spans, inside: Pixels, within: tuple[float, float]) -> Spans:
     return Spans(
         np.concatenate([touched[found.pixel], inside]),
         np.concatenate([found.low, np.full(len(inside), within[0])]),
@@ -151,7 +163,7 @@ def _part(system: LinearSystem, rows: Pixels) -> LinearSystem:
 def _may_bind(plane: Plane, pixels: Pixels, signed: bool) -> Mask:
     """Pixels that are not surely inside when every spectrum is at its largest."""
     bound = plane.asked.upper
-    if signed or (bound.matrix < 0).any() or np.isfinite(bound.lower).any():
+    if plane.asked.solids or signed or bound.signed or np.isfinite(bound.lower).any():
         return np.ones(len(pixels), dtype=bool)
     lightest = plane.palette
     for parameter, within in zip((plane.one, plane.other), plane.within, strict=True):
@@ -178,10 +190,16 @@ def _moves(line: Along, rows: slice) -> Bool[np.ndarray, "pixel band"]:
     return (found[1:] != (0.0 if line.form == "power" else found[0])).any(axis=0)
 
 
-def _spans(image: Image, line: Along, bound: Bound, within: tuple[float, float]) -> Spans:
-    """The parts of a line in which each pixel is inside."""
-    spans = spans_of(line, bound, within)
-    if not image.apart.any():
+def _spans(image: Image, line: Along, asked: Limits, within: tuple[float, float]) -> Spans:
+    """The parts of a line in which each pixel is inside, certified also in slabs that only the one has moved."""
+    spans = spans_of(line, asked, within)
+    for bound in (asked.upper, *(solid.bound for solid in asked.solids if solid.bound is not None)):
+        spans = _sure(image, line, bound, spans)
+    return spans
+
+
+def _sure(image: Image, line: Along, bound: Bound, spans: Spans) -> Spans:
+    if not (image.apart.any() and len(bound.bands)):
         return spans
     sure = np.ones(len(image.pixels), dtype=bool)
     rows = np.flatnonzero(image.apart)
@@ -197,7 +215,7 @@ def _surely_inside(line: Along, bound: Bound) -> Mask:
         still = ~_moves(line, rows)
         values = line.coefficients(rows)[0]
         error = line.terms * ROUNDING
-        size = error * float(np.abs(values).max(initial=0))
+        size = error * max(float(np.abs(values).max(initial=0)), line.size(1.0, rows))
         lower = bound.lower + np.where(np.isfinite(bound.lower), error * np.abs(bound.lower) + size, 0.0)
         upper = bound.upper - np.where(np.isfinite(bound.upper), error * np.abs(bound.upper) + size, 0.0)
         inside[rows] = (~still | ((lower <= values) & (values <= upper))).all(axis=1)

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from tqdm.auto import tqdm
 
 from symrt.feedback.along import along
+from symrt.feedback.asking import drawn
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.crossing import Image, Plane, image, line_at, spans_of, without_unfixable
 from symrt.feedback.freedom import safe_box
@@ -22,6 +23,8 @@ from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible
 from symrt.feedback.shares import pieces
 from symrt.feedback.weighing import weighed
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -31,6 +34,8 @@ from symrt.system import LinearSystem
 __all__ = ["joint_region"]
 
 Mask = Bool[np.ndarray, "height width"]
+ASKED = 200
+"""Pixels that a hull, or inks, are asked about on every line."""
 NUDGE = 1e-9
 """By which share a line stays on the inner side of where a range ends."""
 
@@ -38,7 +43,7 @@ NUDGE = 1e-9
 def joint_region(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut,
+    gamut: ConvexGamut | InkGamut,
     one: Parameter,
     other: Parameter,
     *,
@@ -48,6 +53,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     mask: Mask | None = None,
     reference: Reference | None = None,
     cap: bool = True,
+    most: int = ASKED,
     progress: bool = True,
 ) -> JointRegion:
     """Which pairs of values of two parameters keep the image inside a gamut, and what stops them.
@@ -62,6 +68,8 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
         Lines drawn evenly over the range of the one; a few more stand where ranges end.
     allowed_out, mask, reference, cap
         As for `feasible`.
+    most
+        Pixels that a gamut without slabs, a hull or inks, is asked about on every line.
     progress
         Whether a bar shows on standard error if it takes over a second.
 
@@ -95,8 +103,10 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     ranges = checked_range(one, within[0]), checked_range(other, within[1])
     if any(low == high for low, high in ranges):
         raise ValueError(f"within = {within}: a region needs room in both ranges, low below high")
-    counted = weighed(system, None, mask)
-    plane = Plane(system, palette, limits(system, palette, gamut, reference), one, other, ranges, cap, counted.pixels)
+    asked = limits(system, palette, gamut, reference)
+    line = along(system, palette, one)
+    counted = drawn(line, asked, weighed(system, None, mask), given_value(one), most, extremes=not allowed_out)
+    plane = Plane(system, palette, asked, one, other, ranges, cap, counted.pixels)
 
     def alone(parameter: Parameter, asked: Range) -> Feasible:
         return feasible(
@@ -109,6 +119,8 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
             mask=mask,
             reference=reference,
             cap=cap,
+            most=most,
+            progress=progress,
         )
 
     separate = alone(one, ranges[0]), alone(other, ranges[1])
@@ -145,24 +157,26 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
 
 def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen: Image) -> Float[np.ndarray, " line"]:
     """Where lines are drawn: evenly, at the palette given, and just inside of where the one's ranges end."""
-    bound, (low, high) = plane.asked.upper, plane.within[0]
+    low, high = plane.within[0]
     ends = [*alone.intervals]
     if box is not None and isinstance(plane.one, Scale):
         ends.append(box.box[plane.one.name])
     for value in plane.within[1]:
         # With the other at either end of its range, the one may go this far.
         line = along(seen.part, moved(seen.part, plane.palette, plane.other, value), plane.one)
-        spans = spans_of(line, bound, plane.within[0])
+        spans = spans_of(line, plane.asked, plane.within[0])
         ends += [(piece.low, piece.high) for piece in pieces(spans, plane.within[0], len(seen.pixels), "upper")]
     kinks = [end for a, b in ends for end in (a * (1 + NUDGE), b * (1 - NUDGE))]
     values = np.unique([*np.linspace(low, high, steps), given_value(plane.one), *kinks])
     return values[(low <= values) & (values <= high)]
 
 
-def _box(plane: Plane, gamut: Gamut, reference: Reference | None) -> SafeBox | None:
+def _box(plane: Plane, gamut: ConvexGamut | InkGamut, reference: Reference | None) -> SafeBox | None:
     """The safe box of two scales of different spectra over one range."""
     one, other, within = plane.one, plane.other, plane.within
     if not (isinstance(one, Scale) and isinstance(other, Scale) and within[0] == within[1]):
+        return None
+    if not isinstance(gamut, Gamut) or plane.asked.upper.signed:
         return None
     first, second = (moved_ends(plane.system, plane.palette, scale).keys() for scale in (one, other))
     if not first.isdisjoint(second):
