@@ -87,6 +87,16 @@ BAD_WORDS = [
     ["gamut", "missing.npz"],
     ["gamut", "--model", "unitt"],
     ["gamut", "--black", "nope"],
+    ["gamut", "--model", "nope"],
+    ["gamut", "--model", "hull", "--black", "strict"],
+    ["gamut", "crt-brainard", "--model", "hull"],
+    ["gamut", "crt-brainard", "--black", "strict"],
+    ["gamut", "dye3-endura-premier+nope"],
+    ["gamut", "dye3-endura-premier+crt-brainard", "--plot", "a.png"],
+    ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--model", "hull"],
+    ["feasible", "first", *SMALL, "--palette", "rgb", "-p", "scale:red", "--device", "crt-brainard"],
+    ["report", "first", *SMALL, "--palette", "plain", "--model", "nope"],
+    ["report", "first", *SMALL, "--palette", "plain", "--plot", "a.gif"],
     ["gamut", "--plot", "gamut.gif"],
     ["shade", "first", *SMALL, "--palette", "plain", "--out", "first.npz", "--exposure", "2"],
     ["feasible", "first", "--palette", "plain"],
@@ -423,6 +433,55 @@ def test_feasible_draws_the_region_of_two_parameters(run, tmp_path, system):
     assert [line["intervals"] for line in record["lines"]] == [[[*i] for i in line] for line in expected.intervals]
     assert record["share of all pairs"] == expected.share
     assert (tmp_path / "region.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("model", ["unit", "envelope", "hull", "colorimetric", "inks"])
+def test_feasible_takes_every_model(run, system, model):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), model)
+    words = [
+        "feasible",
+        "first",
+        *SMALL,
+        "--palette",
+        "plain",
+        "-p",
+        "scale:sun",
+        "--no-cap",
+        "--model",
+        model,
+        "--json",
+    ]
+    record = json.loads(run(*words)[1])[0]
+    expected = rt.feasible(system, palette, gamut, rt.Scale("sun"), cap=False, progress=False)
+    assert record["intervals"] == [list(interval) for interval in expected.intervals]
+    assert record["note"] == expected.note
+
+
+def test_devices_joined_by_a_plus_are_intersected_and_a_monitor_is_one(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    printers = [rt.device_gamut(rt.load_device(name), "envelope") for name in ("dye3-endura-premier", "synthetic-cmyk")]
+    monitor = rt.device_gamut(rt.load_device("crt-brainard").on(palette.bands), "monitor")
+    ask = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--json", "--device"]
+    for device, gamut in (
+        ("dye3-endura-premier+synthetic-cmyk", rt.intersection(printers)),
+        ("dye3-endura-premier+crt-brainard", rt.intersection([printers[0], monitor])),
+        ("crt-brainard", monitor),
+    ):
+        record = json.loads(run(*ask, device)[1])[0]
+        expected = rt.feasible(system, palette, gamut, rt.Scale("sun"), progress=False)
+        assert record["intervals"] == [list(interval) for interval in expected.intervals]
+        assert record["note"] == expected.note
+
+
+def test_a_chart_on_other_bands_says_what_to_write_in_the_palette(run, tmp_path):
+    rows = [" ".join(f"{v:.3f}" for v in np.linspace(0.1, 0.9, 31)), " ".join(["0.5"] * 31)]
+    fields = " ".join(f"SPECTRAL_NM{nm}" for nm in range(400, 701, 10))
+    text = f"CGATS.17\nNUMBER_OF_FIELDS 32\nBEGIN_DATA_FORMAT\nSAMPLE_ID {fields}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\n"
+    (tmp_path / "chart.txt").write_text(text + "BEGIN_DATA\nA1 " + "\nA2 ".join(rows) + "\nEND_DATA\n")
+    code, out, err = run("feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--device", "chart.txt")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "write bands = [400, 700, 10] in the palette" in err
 
 
 def test_report_gives_the_librarys_verdicts_as_json(run):

@@ -6,6 +6,7 @@ Each function says in one line what is wrong with a word and what to write inste
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,8 @@ from symrt.errors import shown, suggestion
 
 if TYPE_CHECKING:
     from symrt.feedback.parameters import Parameter, Scale
-    from symrt.gamut.interface import ConvexGamut
-    from symrt.gamut.slabs import Gamut
+    from symrt.gamut.gamuts import AnyGamut
+    from symrt.gamut.intersections import AnyIntersection
     from symrt.linear.formulas import Formula
     from symrt.scene.records import Scene
     from symrt.spectra.bands import Bands
@@ -120,21 +121,54 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
     return palettes[name]
 
 
-def gamut_of(word: str, model: str | None = None, black: str | None = None) -> "Gamut":
-    """A saved gamut, or the gamut of a device by name: its envelope with black clipped, if nothing else is said."""
-    if not is_file(word):
-        return rt.device_gamut(rt.load_device(word), model=model or "envelope", black=black or "clip")
-    if model or black:
-        raise ValueError(f"{word}: a saved gamut has its model and its way with black: leave out --model and --black")
-    return rt.load_gamut(word)
+def gamut_of(
+    word: str, model: str | None = None, black: str | None = None, bands: "Bands | None" = None
+) -> "AnyGamut | AnyIntersection":
+    """A saved gamut, or the gamut of a device, or what several devices joined by ``+`` can all do.
+
+    If nothing else is said it is a printer's envelope with black clipped, or a monitor's gamut.
+
+    Parameters
+    ----------
+    bands
+        Those of the palette: a monitor shows any, a printer must have them.
+    """
+    words = [word] if Path(word).exists() else word.split("+")
+    found = [_one_gamut(one, model, black, bands, several=len(words) > 1) for one in words]
+    return found[0] if len(found) == 1 else rt.intersection(found)
 
 
-def gamuts_of(device: str, models: Sequence[str], monitor: str, bands: "Bands") -> "list[ConvexGamut]":
+def _one_gamut(
+    word: str, model: str | None, black: str | None, bands: "Bands | None", *, several: bool
+) -> "AnyGamut | AnyIntersection":
+    if is_file(word):
+        if model or black:
+            raise ValueError(
+                f"{word}: a saved gamut has its model and its way with black: leave out --model and --black"
+            )
+        return rt.load_gamut(word)
+    device = rt.load_device(word)
+    if hasattr(device, "primaries"):  # a monitor: it has no other gamut, and no black of its own
+        if black and not several:
+            raise ValueError(f"--black {black}: {word} is a monitor, whose black is black: leave it out")
+        return rt.device_gamut(device.on(bands) if bands else device, (not several and model) or "monitor")
+    if bands and device.bands != bands:
+        raise ValueError(_other_bands(word, device.bands, bands))
+    return rt.device_gamut(device, model or "envelope", black or "clip")
+
+
+def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
+    if own.kind != bands.kind or own.kind != "wavelength":
+        return f"{word} is in {own!r} and the palette in {bands!r}: choose a palette in wavelengths with --palette"
+    steps = {round(b - a, 9) for a, b in pairwise(own.centres)}
+    numbers = [own.centres[0], own.centres[-1], *steps] if len(steps) == 1 else list(own.centres)
+    written = ", ".join(f"{number:g}" for number in numbers)
+    return f"{word} is in {own!r} and the palette in {bands!r}: write bands = [{written}] in the palette"
+
+
+def gamuts_of(device: str, models: Sequence[str], monitor: str, bands: "Bands") -> "list[AnyGamut | AnyIntersection]":
     """Several gamuts of a device, and a monitor's."""
-    printer, screen = rt.load_device(device), rt.load_device(monitor)
-    if printer.bands != bands:
-        raise ValueError(f"{device} is in {printer.bands!r} and the palette in {bands!r}: use a palette on its bands")
-    return [*(rt.device_gamut(printer, model) for model in models), rt.device_gamut(screen.on(bands), "monitor")]
+    return [*(gamut_of(device, model, None, bands) for model in models), gamut_of(monitor, "monitor", None, bands)]
 
 
 def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -> "Formula":

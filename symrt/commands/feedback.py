@@ -47,7 +47,8 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         if path is not None:
             writable(path, ".png")
     asked = [parameter_of(word) for word in parameter]
-    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    spectra = palette_of(source, palettes, palette)
+    limits = gamut_of(device, model, black, spectra.bands)
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size, asked)
     options = {"within": within, "cap": cap, "reference": seen}
@@ -98,7 +99,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     if out is not None:
         writable(out, *option.PICTURES)
     scales = [scale_of(word) for word in parameter]
-    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    spectra = palette_of(source, palettes, palette)
+    limits = gamut_of(device, model, black, spectra.bands)
     seen = rt.Reference(reference, exposure)
     system = system_of(source, size)
     options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}

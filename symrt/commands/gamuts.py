@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -16,12 +16,12 @@ __all__ = ["gamut", "report"]
 
 def gamut(
     device: Annotated[
-        str, typer.Argument(metavar="DEVICE", help="A device, or a gamut saved as .npz.")
+        str,
+        typer.Argument(
+            metavar="DEVICE", help="A device, a chart's file, a gamut saved as .npz, or several joined by +."
+        ),
     ] = option.DEVICE,
-    model: Annotated[
-        Literal["unit", "envelope", "hull", "inks", "colorimetric", "monitor"] | None,
-        typer.Option("--model", help="Which gamut of the device: the envelope."),
-    ] = None,
+    model: option.ModelName = None,
     black: option.BlackName = None,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw it: as a body, as prints or as colours (.png).")] = None,
@@ -55,6 +55,7 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
     reference: option.Reference = None,
     exposure: option.Exposure = 1.0,
     size: option.Size = None,
+    plot: Annotated[Path | None, typer.Option(help="Map the pixels outside the first gamut (.png).")] = None,
     as_json: option.Json = False,
 ) -> None:
     """Take one image through several gamuts: who says yes, who no.
@@ -63,5 +64,10 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     spectra = palette_of(source, palettes, palette)
     gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, spectra.bands)
-    said = rt.report(system_of(source, size), spectra, gamuts, rt.Reference(reference, exposure))
+    if plot is not None:
+        writable(plot, ".png")
+    system, seen = system_of(source, size), rt.Reference(reference, exposure)
+    said = rt.report(system, spectra, gamuts, seen)
+    if plot is not None:
+        draw(plot, "out_of_gamut_map", system, spectra, gamuts[0], seen)
     typer.echo(json_text(asdict(said)) if as_json else str(said))

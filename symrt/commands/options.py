@@ -49,9 +49,12 @@ Reference = Annotated[
     str | None,
     typer.Option("--reference", help="White of a light, equal-energy, illuminant/...; else the key light's."),
 ]
-DeviceName = Annotated[str, typer.Option("--device", help="A device, or a gamut saved as .npz.")]
+DeviceName = Annotated[
+    str, typer.Option("--device", help="A device, a chart's file, a gamut saved as .npz, or several joined by +.")
+]
 ModelName = Annotated[
-    Literal["unit", "envelope"] | None, typer.Option("--model", help="Which gamut of the device: the envelope.")
+    Literal["unit", "envelope", "hull", "inks", "colorimetric", "monitor"] | None,
+    typer.Option("--model", help="Which gamut of the device: a printer's envelope, a monitor's colours."),
 ]
 Models = Annotated[
     list[str] | None,

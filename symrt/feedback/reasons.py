@@ -59,7 +59,7 @@ class Reason:
         if self.side == "luminance":
             return f"pixel ({self.x}, {self.y}) meets the luminance of the device's black"
         of, at = (f" of {self.of}" if self.of else ""), (f" at {self.band}" if self.band else "")
-        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound{of}{at}{guess}"
+        return f"pixel ({self.x}, {self.y}) meets the {self.side} bound{of if at else of.rstrip(',')}{at}{guess}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,6 +103,14 @@ def test_colours_are_drawn_where_their_lab_is():
         assert np.abs(corners - place).max(axis=1).min() < 1e-6
 
 
+def test_what_several_envelopes_share_is_drawn_no_larger_than_each():
+    parts = [rt.device_gamut(rt.load_device(name), "envelope") for name in ("dye3-endura-premier", "synthetic-cmyk")]
+    figure = plots.body_figure(rt.intersection(parts))
+    both, first = (float(text.split()[-1]) for text, _ in texts(figure) if "volume" in text)
+    assert 0 < both < first
+    assert first == pytest.approx(parts[0].shadow(3).polyhedron().volume, rel=0.01)  # three digits are written
+
+
 def test_a_monitor_of_rgb_has_no_figure():
     with pytest.raises(ValueError, match="nothing to draw"):
         plots.body_figure(rt.device_gamut(rt.load_device("srgb"), "monitor"))

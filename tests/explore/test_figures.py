@@ -223,12 +223,40 @@ def test_the_spectrum_beside_a_range_meets_the_bound_that_stops_it(gamut, system
 
 def test_the_map_marks_the_pixels_whose_reflectance_the_gamut_does_not_contain(gamut, system):
     palette = plain()
-    bright, dark = _outside(system, palette, limits(system, palette, gamut))
+    bright, dark, _ = _outside(system, palette, limits(system, palette, gamut))
     image = rt.shade(system, palette)
     reflectance = (image.values / image.white).reshape(-1, 36)
     assert np.array_equal(bright.ravel(), ~gamut.contains(reflectance))
     assert bright.any()
     assert not (bright & dark).any()
+
+
+@pytest.mark.parametrize("model", ["hull", "inks", "colorimetric", "monitor"])
+def test_the_map_of_any_gamut_marks_the_pixels_that_it_does_not_contain(system, model):
+    palette = plain()
+    device = rt.load_device("crt-brainard" if model == "monitor" else "dye3-endura-premier")
+    asked = rt.device_gamut(device, model)
+    bright, dark, side = _outside(system, palette, limits(system, palette, asked))
+    image = rt.shade(system, palette)
+    expected = ~asked.under(image.white).contains((image.values / image.white).reshape(-1, 36))
+    lit = system.object_pixels & ~dark.ravel()
+    assert side == 1
+    assert np.array_equal(bright.ravel()[lit], expected[lit])
+    assert not (bright & dark).any()
+    assert asked.name in " ".join(text for text, _ in texts(plots.out_of_gamut_map(system, palette, asked))).replace(
+        "\n", " "
+    )
+
+
+def test_of_many_pixels_a_hull_is_asked_about_one_in_each_block(system, monkeypatch):
+    palette, asked = plain(), rt.device_gamut(rt.load_device("dye3-endura-premier"), "hull")
+    every, _, _ = _outside(system, palette, limits(system, palette, asked))
+    monkeypatch.setattr("symrt.explore.plots.feedback.MOST", 60)
+    some, _, side = _outside(system, palette, limits(system, palette, asked))
+    assert side > 1
+    assert abs(int(some.sum()) - int(every.sum())) < 0.2 * system.object_pixels.sum()
+    said = " ".join(text for text, _ in texts(plots.out_of_gamut_map(system, palette, asked)))
+    assert f"{side} × {side}" in said
 
 
 def test_the_numbers_on_a_region_stand_where_those_pixels_stop_it(gamut, system, region):

@@ -14,14 +14,15 @@ from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.colorimetry import VISIBLE, lab, tristimulus
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.hull import HullGamut
+from symrt.gamut.intersections import AnyIntersection, SlabIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut, device_gamut
-from symrt.gamut.views import convex_solid
+from symrt.gamut.views import Shadow, convex_solid
 from symrt.spectra.display import display_matrix, encode
 from symrt.spectra.library import spectrum
 
-__all__ = ["body_figure", "colours_figure", "prints_figure"]
+__all__ = ["body_figure", "colours_figure", "intersection_figure", "prints_figure"]
 
 PIECES = 12
 """Parts into which each side of a triangle of colours is cut, to be bent into L*a*b*."""
@@ -30,7 +31,7 @@ CHROMAS = (40, 80, 120)
 Colours = Float[np.ndarray, "point 3"]
 
 
-def body_figure(gamut: AnyGamut) -> Drawing:
+def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
     """A gamut in two panels, whatever its model.
 
     Raises
@@ -50,7 +51,31 @@ def body_figure(gamut: AnyGamut) -> Drawing:
         return prints_figure(gamut)
     if isinstance(gamut, ColorimetricGamut | MonitorGamut):
         return colours_figure(gamut)
-    raise ValueError(f"{gamut.name}: no figure is known for it; draw the gamuts that it is made of")
+    if isinstance(gamut, SlabIntersection) and all(isinstance(part, Gamut) for part in gamut.parts):
+        return intersection_figure(gamut)
+    raise ValueError(f"{gamut.name}: there is no figure of it; draw the gamuts that it is made of")
+
+
+def intersection_figure(gamut: SlabIntersection) -> Drawing:
+    """The shadow of what lies within the bounds of several devices, and that of the first of them alone."""
+    slabs, first = gamut.slabs, gamut.devices[0]
+    single = slabs.bands >= 0
+    paper = Paper(View(), uniform_first(first.samples).vectors[:3])
+    lower, upper = np.empty(len(gamut.bands)), np.empty(len(gamut.bands))
+    lower[slabs.bands[single]], upper[slabs.bands[single]] = slabs.lower[single], slabs.upper[single]
+    whole = gamut.parts[0].slabs
+    own = whole.bands >= 0
+    shadows = [Shadow(paper.vectors, lower, upper), Shadow(paper.vectors, whole.lower[own], whole.upper[own])]
+    figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
+    headline(figure, f"Spectral gamut, 3 of {len(gamut.bands)} components: what {len(gamut.parts)} gamuts share")
+    titles = "What they share", f"Shadow of {gamut.parts[0].name}"
+    for side, (shadow, title) in enumerate(zip(shadows, titles, strict=True)):
+        solid = shadow.polyhedron()
+        panel_title(panel(figure, solid, paper, side), "ab"[side], f"{title}: volume {solid.volume:.3g}")
+    draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
+    devices = " ".join(device_text(device) for device in gamut.devices)
+    caption(figure, wrapped(f"{gamut.name}. Components are those of {first.name}. {devices}", 175))
+    return figure
 
 
 def prints_figure(gamut: HullGamut | InkGamut) -> Drawing:

@@ -1,5 +1,6 @@
 """What a gamut says about an image: feasible ranges and why, pixels outside, shares (step 5 of the paper)."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,13 +14,17 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from symrt.arrays import Spectrum
 from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, Drawing, caption, headline, wrapped
+from symrt.feedback.along import along_ends
+from symrt.feedback.asking import darker_than_black, inside_all
 from symrt.feedback.limits import Limits, limits
 from symrt.feedback.lines import line_of
 from symrt.feedback.reasons import Feasible
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
-from symrt.spectra.shading import preview, shade
+from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
 __all__ = ["curve_figure", "out_of_gamut_map", "ranges_figure"]
@@ -27,6 +32,9 @@ __all__ = ["curve_figure", "out_of_gamut_map", "ranges_figure"]
 REST = "#8fcfb9"
 """The same green, paler: feasible for the rest of the image only."""
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+Mask = Bool[np.ndarray, "height width"]
+MOST = 4000
+"""Pixels that a hull, or inks, are asked about for a map."""
 ROW = 0.62
 """Height of one parameter's row in inches."""
 
@@ -119,12 +127,12 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
 
 
 def out_of_gamut_map(
-    system: LinearSystem, palette: Palette, gamut: Gamut, reference: Reference | None = None
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
 ) -> Drawing:
     """The picture in grey, with the pixels that are outside the gamut, and those darker than its black, in colour."""
     asked = limits(system, palette, gamut, reference)
     exposure = reference.exposure if reference else 1.0
-    bright, dark = _outside(system, palette, asked)
+    bright, dark, side = _outside(system, palette, asked)
     picture = _grey(preview(system, palette, exposure))
     for mask, colour in ((bright, ABOVE), (dark, BELOW)):
         picture[mask] = 0.35 * picture[mask] + 0.65 * np.array(to_rgb(colour))
@@ -140,7 +148,8 @@ def out_of_gamut_map(
     ]
     handles = [Patch(color=colour, label=label) for colour, label in zip((ABOVE, BELOW), labels, strict=True)]
     figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.99, 0.995), ncols=2, frameon=False, fontsize=9)
-    caption(figure, wrapped(f"Shares of object pixels. {asked.note}.", 100))
+    blocks = f" One pixel in each block of {side} × {side} was asked about." if side > 1 else ""
+    caption(figure, wrapped(f"Shares of object pixels.{blocks} {asked.note}.", 100))
     return figure
 
 
@@ -163,14 +172,23 @@ def curve_figure(found: Feasible) -> Drawing:
     return figure
 
 
-def _outside(
-    system: LinearSystem, palette: Palette, asked: Limits
-) -> tuple[Bool[np.ndarray, "height width"], Bool[np.ndarray, "height width"]]:
-    """Pixels beyond an upper bound, and those within that are darker than the device's black."""
-    image = shade(system, palette).values
-    bright = (image @ asked.upper.matrix > asked.upper.upper).any(axis=-1)
-    lit = system.object_pixels.reshape(bright.shape)
-    return bright & lit, (image @ asked.luminance < asked.blackest) & lit & ~bright
+def _outside(system: LinearSystem, palette: Palette, asked: Limits) -> tuple[Mask, Mask, int]:
+    """Pixels that are outside, those that are darker than the device's black, and the side of the blocks asked about.
+
+    A hull or inks must be asked pixel by pixel: of each block one pixel answers for all that are light enough.
+    """
+    line, objects = along_ends(system, palette, {}), np.flatnonzero(system.object_pixels)
+    darker = darker_than_black(line, asked, objects, 1.0)
+    pixels = objects[~darker] if asked.solids else objects
+    slow = any(solid.bound is None for solid in asked.solids)
+    side = max(1, math.ceil(math.sqrt(len(pixels) / MOST))) if slow else 1
+    y, x = np.divmod(pixels, system.width)
+    _, first, block = np.unique(y // side * system.width + x // side, return_index=True, return_inverse=True)
+    outside = np.zeros((2, system.height * system.width), dtype=bool)
+    outside[0, pixels] = ~inside_all(line, asked, pixels[first], 1.0)[block]
+    outside[1, objects[darker]] = True
+    bright, dark = outside.reshape(2, system.height, system.width)
+    return bright, dark & ~bright, side
 
 
 def _grey(codes: UInt8[np.ndarray, "height width 3"]) -> Float[np.ndarray, "height width 3"]:
