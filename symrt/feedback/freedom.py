@@ -22,14 +22,16 @@ from symrt.feedback.filling import Task, lightest
 from symrt.feedback.intervals import inside_at
 from symrt.feedback.joint import Joint, counted_pixels, joint
 from symrt.feedback.limits import rising_limits
-from symrt.feedback.mapping import certify, task_of
+from symrt.feedback.mapping import certify, task_of, with_black
 from symrt.feedback.parameters import Scale
 from symrt.feedback.posynomials import sliders
 from symrt.feedback.programmes import Programme, Solved, solved
 from symrt.feedback.ranges import Range, check_share, dark_share, feasible
 from symrt.feedback.reasons import Reason
 from symrt.feedback.settling import lowered, near, raised
-from symrt.gamut.slabs import Black, Gamut, device_gamut
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
+from symrt.gamut.slabs import Black
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -47,7 +49,7 @@ NOTHING = Solved(np.zeros(0), "global", 0, 0)
 def safe_box(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut,
+    gamut: ConvexGamut | InkGamut,
     scales: Sequence[Scale],
     *,
     within: Range = (0.01, 3.0),
@@ -82,6 +84,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
 
     >>> from scipy import sparse
     >>> from symrt.gamut.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
     >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
@@ -93,8 +96,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     check_share(allowed_dark, "allowed_dark")
-    if black is not None:
-        gamut = device_gamut(gamut.device, gamut.model, black)
+    gamut = with_black(gamut, black)
     asked = rising_limits(system, palette, gamut, reference)
     task = task_of(system, palette, asked, scales, within, cap)
     if task.within[0] == task.within[1]:
@@ -222,7 +224,7 @@ def _answer(
     )
 
 
-def _separate(task: Task, gamut: Gamut, reference: Reference | None) -> Box:
+def _separate(task: Task, gamut: ConvexGamut | InkGamut, reference: Reference | None) -> Box:
     """The range of each scale, all others as given."""
     ranges = {}
     for name in task.symbols:

@@ -25,7 +25,6 @@ from symrt.feedback.shares import pieces
 from symrt.feedback.weighing import weighed
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.recipes import InkGamut
-from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -176,7 +175,7 @@ def _box(plane: Plane, gamut: ConvexGamut | InkGamut, reference: Reference | Non
     one, other, within = plane.one, plane.other, plane.within
     if not (isinstance(one, Scale) and isinstance(other, Scale) and within[0] == within[1]):
         return None
-    if not isinstance(gamut, Gamut) or plane.asked.upper.signed:
+    if plane.asked.upper.signed or plane.asked.solids:
         return None
     first, second = (moved_ends(plane.system, plane.palette, scale).keys() for scale in (one, other))
     if not first.isdisjoint(second):

@@ -21,13 +21,15 @@ from symrt.feedback.objectives import Regions
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
 from symrt.feedback.reasons import Fit
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Black, Gamut, device_gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["certify", "fit", "task_of"]
+__all__ = ["certify", "fit", "task_of", "with_black"]
 
 Pixels = Int[np.ndarray, " _"]
 
@@ -35,7 +37,7 @@ Pixels = Int[np.ndarray, " _"]
 def fit(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut,
+    gamut: ConvexGamut | InkGamut,
     scales: Sequence[Scale],
     *,
     objective: Goal = "lightest",
@@ -109,9 +111,8 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     _check(objective, regions, allowed_out=allowed_out, allowed_dark=allowed_dark, least_luminance=least_luminance)
-    if black is not None:
-        gamut = device_gamut(gamut.device, gamut.model, black)
-    task = task_of(system, palette, rising_limits(system, palette, gamut, reference), scales, within, cap)
+    asked = rising_limits(system, palette, with_black(gamut, black), reference)
+    task = task_of(system, palette, asked, scales, within, cap)
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
@@ -179,6 +180,17 @@ def _verdict(outside: bool, acceptable: bool) -> Literal["complete", "rest-only"
     if not acceptable:
         return "unacceptable"
     return "rest-only" if outside else "complete"
+
+
+def with_black(gamut: ConvexGamut | InkGamut, black: Black | None) -> ConvexGamut | InkGamut:
+    """The gamut with another way with black, if one is given: only bounds in each band have a choice."""
+    if black is None:
+        return gamut
+    if not isinstance(gamut, Gamut):
+        raise ValueError(  # noqa: TRY004  # another model of the same device is a bad choice, not another type to a user
+            f"black = {black!r}: {gamut.name} has its own black; leave it out"
+        )
+    return device_gamut(gamut.device, gamut.model, black)
 
 
 def task_of(
