@@ -77,6 +77,7 @@ _NAMES = {
         "Blend",
         "Exposure",
         "Scale",
+        "adapt",
         "clip",
         "feasible",
         "fit",

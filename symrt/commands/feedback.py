@@ -1,7 +1,7 @@
 """Commands that answer for an image and a gamut: what is feasible, and what fits best (step 5 of the paper)."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -10,7 +10,13 @@ from symrt.commands import options as option
 from symrt.commands.arguments import gamut_of, palette_of, parameter_of, scale_of, system_of, writable
 from symrt.explore.writing import draw, json_text
 
-__all__ = ["feasible", "fit"]
+if TYPE_CHECKING:
+    from symrt.spectra.image import SpectralImage
+    from symrt.spectra.palette import Palette
+    from symrt.spectra.reference import Reference
+    from symrt.system import LinearSystem
+
+__all__ = ["adapt", "feasible", "fit"]
 
 
 def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
@@ -107,7 +113,55 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
     found = rt.fit(system, spectra, limits, scales, **options)
     if out is not None:
-        # A picture is seen as the fit was asked; other files hold the radiances as they are.
-        view = {"exposure": exposure, "reference": seen.white(system, spectra)} if out.suffix.lower() == ".png" else {}
-        rt.save_image(out, rt.shade(system, found.palette), **view)
+        _save(out, rt.shade(system, found.palette), seen, system, spectra)
     typer.echo(json_text(fit_record(found)) if as_json else repr(found))
+
+
+def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: option.Source,
+    parameter: option.Parameters,
+    least_inside: option.LeastInside = 1.0,
+    most_difference: option.MostDifference = None,
+    least_lightness: option.LeastLightness = None,
+    map_rest: option.MapRest = False,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    cap: option.Cap = True,
+    device: option.DeviceName = option.DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    as_json: option.Json = False,
+) -> None:
+    """The gentlest change that makes a picture reproducible by stated criteria, or why none does.
+
+    Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
+    """
+    from symrt.explore.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
+
+    if out is not None:
+        writable(out, *option.PICTURES)
+    scales = [scale_of(word) for word in parameter]
+    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    seen = rt.Reference(reference, exposure)
+    system = system_of(source, size)
+    options: dict[str, Any] = {
+        "least_inside": least_inside,
+        "most_difference": most_difference,
+        "least_lightness": least_lightness,
+    }
+    options |= {"map_rest": map_rest, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
+    found = rt.adapt(system, spectra, limits, scales, **options)
+    if out is not None and found.accepted:
+        _save(out, found.image(system), seen, system, spectra)
+    typer.echo(json_text(adapted_record(found)) if as_json else repr(found))
+
+
+def _save(out: Path, image: "SpectralImage", seen: "Reference", system: "LinearSystem", palette: "Palette") -> None:
+    """A picture is seen as the fit was asked; other files hold the radiances as they are."""
+    view = {"exposure": seen.exposure, "reference": seen.white(system, palette)} if out.suffix.lower() == ".png" else {}
+    rt.save_image(out, image, **view)

@@ -14,10 +14,14 @@ __all__ = [
     "DeviceName",
     "Exposure",
     "Json",
+    "LeastInside",
+    "LeastLightness",
     "LeastLuminance",
+    "MapRest",
     "ModelName",
     "Models",
     "Monitor",
+    "MostDifference",
     "Objective",
     "Of",
     "PaletteFile",
@@ -74,6 +78,14 @@ Parameters = Annotated[
 ]
 Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]
+LeastInside = Annotated[float, typer.Option("--least-inside", help="Least share of pixels inside.")]
+MostDifference = Annotated[
+    float | None, typer.Option("--most-difference", help="Largest mean CIEDE2000 from the image given.")
+]
+LeastLightness = Annotated[
+    float | None, typer.Option("--least-lightness", help="Least mean L*, as a share of that of the image given.")
+]
+MapRest = Annotated[bool, typer.Option("--map-rest", help="At last, pixels may be moved one by one.")]
 Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]

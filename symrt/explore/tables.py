@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from symrt.feedback.adapted import Adapted
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.pairs import JointRegion
 from symrt.feedback.reasons import Feasible, Fit, Reason
@@ -19,6 +20,7 @@ from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
 
 __all__ = [
+    "adapted_record",
     "box_record",
     "feasible_record",
     "fit_record",
@@ -161,6 +163,22 @@ def fit_record(found: Fit) -> dict[str, Any]:
         "share outside": found.share_out,
         "share darker than black": found.dark,
         "above one": list(found.above_one),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
+def adapted_record(found: Adapted) -> dict[str, Any]:
+    """The steps of an adaptation, and what was accepted, ready for JSON."""
+    keys = ("means", "inside", "difference", "lightness", "binds", "exposure", "left_out", "seconds")
+    steps = [{key: getattr(step, key) for key in keys} for step in found.steps]
+    lacking = [sorted(found.criteria.lacking(step)) for step in found.steps]
+    return {
+        "criteria": str(found.criteria),
+        "verdict": found.verdict,
+        "accepted": found.accepted.means if found.accepted else None,
+        "steps": [step | {"lacking": names} for step, names in zip(steps, lacking, strict=True)],
+        "reachable": dict(found.reachable),
         "note": found.note,
         "seconds": found.seconds,
     }

@@ -1,5 +1,7 @@
 """Step 5: what the gamut says about the parameters."""
 
+from symrt.feedback.adapted import Adapted, Criteria, Step
+from symrt.feedback.adapting import adapt
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.freedom import safe_box
 from symrt.feedback.joint_region import joint_region
@@ -17,7 +19,9 @@ from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import clip
 
 __all__ = [
+    "Adapted",
     "Blend",
+    "Criteria",
     "Exposure",
     "Feasible",
     "Fit",
@@ -29,7 +33,9 @@ __all__ = [
     "SafeBox",
     "Scale",
     "Sensitivity",
+    "Step",
     "Verdict",
+    "adapt",
     "clip",
     "feasible",
     "fit",

@@ -152,7 +152,7 @@ def rising_limits(
     if asked.upper.signed or asked.solids:
         raise ValueError(
             f"{asked.gamut.name}: more light may bring a colour inside as well as out, so that scales cannot be fitted "
-            "together; fit them to the device's envelope, and ask feasible for one parameter at a time"
+            "together: use adapt, which fits them to the device's envelope and dims; or feasible, for one parameter"
         )
     return asked
 
