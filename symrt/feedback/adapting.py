@@ -19,7 +19,7 @@ from symrt.feedback.acceptance import Goal
 from symrt.feedback.adapted import Adapted, Criteria, Step
 from symrt.feedback.appearance import Appearance, appearance
 from symrt.feedback.mapping import fit
-from symrt.feedback.parameters import Exposure, Scale, moved
+from symrt.feedback.parameters import Exposure, Scale, moved, scaled_symbols
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible, Fit
@@ -35,8 +35,8 @@ __all__ = ["adapt"]
 
 ASKED = 2000
 """Object pixels, drawn evenly, on which colours are compared and gamuts without bounds in each band are asked."""
-HALVINGS = 6
-"""Of the share left out: it is known to a 64th of what is allowed."""
+HALVINGS = 5
+"""Of the share left out: it is known to a 32nd of what is allowed."""
 GOALS: tuple[Goal, ...] = ("closest", "lexicographic", "brightest")
 
 Pixels = Int[np.ndarray, " pixel"]
@@ -69,7 +69,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     scales
         Of materials, components or lights, as for `fit`.
     least_inside
-        Least share of the object pixels that must be inside the gamut.
+        Least share of the object pixels that must be inside the gamut; those moved one by one, to rounding.
     most_difference
         Largest mean CIEDE2000 from the image given, both seen as prints under D50 beside a perfect diffuser.
     least_lightness
@@ -111,6 +111,8 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     check_share(least_lightness or 0.0, "least_lightness")
     if most_difference is not None and not most_difference >= 0:
         raise ValueError(f"most_difference = {most_difference}: it is a mean CIEDE2000, 0 or more; or None")
+    for scale in scales:
+        scaled_symbols(system, palette, scale)
     criteria = Criteria(float(least_inside), most_difference, least_lightness)
     checked = checked_range(scales[0] if scales else Scale("-"), within)
     image = appearance(system, palette, gamut, reference or Reference(), most=most)
@@ -286,7 +288,7 @@ def _mapped(work: _Work, step: Step, towards: Target) -> Step:
     )
     values = found.image.values.reshape(-1, len(image.white)) / image.white
     difference, lightness = image.looks(values[image.pixels])
-    inside = float(image.under.contains(values[image.judged]).mean()) if image.judged.size else 1.0
+    inside = image.inside_to_rounding(values[image.judged])
     binds = f"{found.share:.1%} of the object pixels moved, by at most {found.moved.max():.3g} RMS"
     return Step(
         f"{step.means}, then pixel by pixel to the {'nearest' if towards == 'nearest' else 'grey'}",

@@ -23,6 +23,8 @@ __all__ = ["Appearance", "appearance"]
 
 LIGHT = "illuminant/D50"
 """Under which prints are looked at."""
+ROUNDING = 1e-12
+"""Of reflectances near 1: what is so near to a boundary is on it."""
 
 Pixels = Int[np.ndarray, " pixel"]
 Judged = Int[np.ndarray, " judged"]
@@ -55,6 +57,12 @@ class Appearance:
     def inside(self, palette: Palette) -> float:
         """Share of the pixels judged that are inside."""
         return float(self.under.contains(self.seen(palette, self.judged)).mean()) if self.judged.size else 1.0
+
+    def inside_to_rounding(self, seen: Float[np.ndarray, "judged band"]) -> float:
+        """The same for pixels that were moved to the boundary, and cannot be told from it."""
+        inside = self.under.contains(seen)
+        inside[~inside] = self.under.violation(seen[~inside]) <= ROUNDING
+        return float(inside.mean()) if len(seen) else 1.0
 
     def figures(self, palette: Palette) -> tuple[float, float, float]:
         """Share inside, mean difference, and share of the lightness kept."""

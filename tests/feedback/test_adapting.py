@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.interpolate import CubicSpline
 
 from symrt.feedback import Scale, adapt, feasible
-from symrt.feedback.parameters import Exposure
+from symrt.feedback.parameters import Exposure, moved
 from symrt.gamut import device_gamut, load_device
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import observer, spectrum
@@ -21,7 +21,7 @@ DEVICE = load_device("dye3-endura-premier")
 ENVELOPE = device_gamut(DEVICE, "envelope")
 MIRRORED, COLOURS = system(height=12, width=16), palette()
 FEW = [Scale("key"), Scale("fill"), Scale("brass"), Scale("ice")]
-LIT = Reference("key", exposure=2.0)
+LIT = Reference("key", exposure=1.4)
 OPTIONS = {"cap": False, "progress": False, "reference": LIT}
 
 
@@ -45,22 +45,24 @@ def figures(image):
     given, now = (reflected(one.values) for one in (shade(MIRRORED, COLOURS), image))
     before, after = as_seen(given), as_seen(now)
     light = [np.minimum(one[:, 0], 100).mean() for one in (before, after)]
-    inside = (now <= ENVELOPE.upper).all(axis=1).mean()
+    # Pixels that were moved to the boundary are there to rounding.
+    inside = (now <= ENVELOPE.upper + 1e-12).all(axis=1).mean()
     return inside, colour.delta_E(before, after, method="CIE 2000").mean(), light[1] / light[0]
 
 
 ASKED = [
-    {},
-    {"least_inside": 0.8},
-    {"least_inside": 0.95, "most_difference": 5.0},
-    {"least_lightness": 0.85},
-    {"most_difference": 4.0, "map_rest": True},
+    ({}, "exposure"),
+    ({"least_inside": 0.8}, "as given"),
+    ({"least_lightness": 0.9}, "brightest"),
+    ({"least_inside": 0.93, "most_difference": 2.0}, "exposure"),
+    ({"least_inside": 0.95, "most_difference": 1.4}, "closest"),
+    ({"most_difference": 4.0, "map_rest": True}, "as given, then pixel by pixel to the grey"),
 ]
 
 
-@pytest.mark.parametrize("asked", ASKED, ids=str)
-def test_what_is_accepted_meets_the_criteria_as_another_library_sees_them(asked):
-    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, **asked)
+@pytest.mark.parametrize(("asked", "means"), ASKED, ids=str)
+def test_what_is_accepted_meets_the_criteria_as_another_library_sees_them(asked, means):
+    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW[:2] if means == "closest" else FEW, **OPTIONS, **asked)
     assert found.verdict == "reached"
     inside, difference, light = figures(found.image(MIRRORED))
     assert inside >= asked.get("least_inside", 1.0)
@@ -68,6 +70,7 @@ def test_what_is_accepted_meets_the_criteria_as_another_library_sees_them(asked)
     assert light >= asked.get("least_lightness", 0.0) - 1e-6
     step = found.accepted
     assert step is found.steps[-1]
+    assert step.means == means
     assert (step.inside, step.difference, step.lightness) == pytest.approx((inside, difference, light), rel=1e-6)
     assert all(found.criteria.lacking(other) for other in found.steps[:-1])
     assert found.reachable == {}
@@ -78,8 +81,6 @@ def test_exposure_is_dimmed_no_further_than_the_image_needs():
     assert [step.means for step in found.steps] == ["as given", "exposure"]
     assert found.exposure == feasible(MIRRORED, COLOURS, ENVELOPE, Exposure(), reference=LIT).high
     assert found.palette["fill"] == pytest.approx(found.exposure * COLOURS["fill"])
-    less = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, least_inside=0.97)
-    assert less.exposure > found.exposure
 
 
 def test_an_image_that_meets_all_criteria_stays_as_it_is():
@@ -110,42 +111,43 @@ def test_what_cannot_be_reached_is_explained_and_what_can_be_is_named():
 
 def test_asking_for_less_is_never_reached_later():
     """The loosest criterion first: the number of means that are tried does not fall as more is asked."""
-    for name, values in (("most_difference", (30.0, 9.0, 5.0, 1.0)), ("least_lightness", (0.5, 0.8, 0.9, 1.2))):
+    for name, values in (("most_difference", (30.0, 9.0, 7.0, 1.0)), ("least_lightness", (0.5, 0.75, 0.9, 1.0))):
         tried = [adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, **{name: value}) for value in values]
         assert [len(one.steps) for one in tried] == sorted(len(one.steps) for one in tried)
         assert len(tried[0].steps) < len(tried[-1].steps)
 
 
 def test_no_more_pixels_are_left_out_than_the_criteria_need():
-    exposed = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS)
-    light = (1 + exposed.accepted.lightness) / 2
-    found = adapt(MIRRORED, COLOURS, ENVELOPE, [Scale("key")], **OPTIONS, least_inside=0.5, least_lightness=light)
-    if found.accepted.left_out:
-        assert found.accepted.left_out < 0.5
-    assert found.accepted.inside >= 0.5
-    assert found.accepted.lightness >= light
+    """With exposure alone the least share is known: that at the least exposure which is light enough."""
+    asked = {"least_inside": 0.9, "least_lightness": 0.9}
+    found = adapt(MIRRORED, COLOURS, ENVELOPE, [], **OPTIONS, **asked)
+    step = found.accepted
+    assert step.means == "exposure"
+    assert 0 < step.left_out < 0.1
+    less = step.left_out - 0.1 / 32 - 1 / MIRRORED.object_pixels.sum()
+    dimmer = feasible(MIRRORED, COLOURS, ENVELOPE, Exposure(), reference=LIT, allowed_out=less).high
+    image = shade(MIRRORED, moved(MIRRORED, COLOURS, Exposure(), dimmer))
+    assert figures(image)[2] < 0.9 <= step.lightness
 
 
 @pytest.mark.parametrize("model", ["hull", "colorimetric", "inks"])
 def test_gamuts_of_any_model_are_asked_themselves(model):
     gamut = device_gamut(DEVICE, model)
-    grey = LinearSystem(
-        sparse.csr_array([[0.3], [0.5], [1.0]]), (Interaction("key", ("wall.diffuse",)),), 1, 3, {"key": 1.0}
-    )
+    grey = LinearSystem(sparse.csr_array([[1.0]]), (Interaction("key", ("wall.diffuse",)),), 1, 1, {"key": 1.0})
     colours = Palette(BANDS, {"key": 1.0, "wall.diffuse": 0.95})
     found = adapt(grey, colours, gamut, [Scale("wall")], progress=False)
     assert found.verdict == "reached"
     seen = shade(grey, found.palette).values[0]
     assert gamut.contains(seen).all()
     assert not gamut.contains(np.full((1, 36), 0.95)).all()
-    assert 0.5 < found.exposure < 1
+    assert 0.9 < found.exposure < 1
     assert gamut.name in found.accepted.binds
     black = adapt(grey, colours, gamut, [Scale("wall")], within=(0.5, 1.0), most_difference=0.0, progress=False)
     assert black.verdict == "not reached"
 
 
 def test_a_monitor_has_no_envelope_and_is_asked_itself():
-    monitor = device_gamut(load_device("srgb").on(BANDS), "monitor")
+    monitor = device_gamut(load_device("crt-brainard").on(BANDS), "monitor")
     found = adapt(MIRRORED, COLOURS, monitor, FEW, **OPTIONS, least_inside=0.2)
     assert {step.means for step in found.steps} <= {"as given", "exposure"}
     assert "closest" not in repr(found)
