@@ -412,6 +412,32 @@ def test_fit_takes_every_objective_and_the_least_luminance(run, system):
     assert record["optimum"] == "global"
 
 
+def test_fit_leaves_out_what_it_is_allowed_to(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--no-cap", "--json"]
+    record = json.loads(run(*words, "--allowed-out", "0.1", "--least-luminance", "0")[1])
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], allowed_out=0.1, cap=False, least_luminance=0)
+    assert record["values"] == dict(expected.values)
+    assert len(record["left out"]) == len(expected.left_out)
+    assert record["share outside"] == expected.share_out <= 0.1
+
+
+def test_adapt_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["adapt", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--json", "--out", "adapted.png"]
+    record = json.loads(run(*words, "--least-inside", "0.9", "--most-difference", "20", "--least-lightness", "0.2")[1])
+    expected = rt.adapt(
+        system, palette, gamut, [rt.Scale("red")], least_inside=0.9, most_difference=20, least_lightness=0.2
+    )
+    assert record["accepted"] == expected.accepted.means
+    assert [step["difference"] for step in record["steps"]] == [step.difference for step in expected.steps]
+    assert (tmp_path / "adapted.png").exists()
+    refused = json.loads(run(*words[:-2], "--least-lightness", "1", "--most-difference", "0", "--map-rest")[1])
+    assert refused["accepted"] is None or refused["steps"][-1]["lacking"] == []
+
+
 def test_feasible_together_is_the_safe_box(run, system):
     palette = rt.load_palettes("first")["plain"]
     gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
