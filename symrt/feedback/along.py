@@ -105,9 +105,31 @@ class Along:
             sizes=tuple((whole[id(G)], abs(spectra) @ abs(matrix)) for G, spectra in self.parts if signed),
         )
 
+    def taken(self, rows: Int[np.ndarray, " row"]) -> "Along":
+        """Some of the pixels."""
+        taken = self._rows(rows)
+        return replace(
+            self,
+            parts=tuple((taken[id(G)], spectra) for G, spectra in self.parts),
+            degrees=self.degrees[rows],
+            sizes=tuple((G[rows], spectra) for G, spectra in self.sizes),
+        )
+
+    def brightest(self, t: Number, bounds: Float[np.ndarray, " slab"]) -> Float[np.ndarray, " pixel"]:
+        """The share of its bounds that each pixel never passes, at any value up to t; for coefficients >= 0 only."""
+        shares = [(spectra / bounds).max(axis=1, initial=0) for _, spectra in self.parts]
+        if self.form == "bernstein":
+            return self.parts[0][0] @ np.max(shares, axis=0)
+        return np.sum(
+            [float(t) ** k * (G @ share) for k, ((G, _), share) in enumerate(zip(self.parts, shares, strict=True))],
+            axis=0,
+        )
+
     def _rows(self, rows: slice | Int[np.ndarray, " row"]) -> dict[int, sparse.csr_array]:
         """Rows of each part of G; a blend's parts are all of G, which is cut once."""
         parts = {id(G): G for G, _ in self.parts}
+        if isinstance(rows, np.ndarray) and np.array_equal(rows, np.arange(len(self.degrees))):
+            return parts
         return {key: G[rows] for key, G in parts.items()}
 
 

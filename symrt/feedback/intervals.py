@@ -8,7 +8,7 @@ what is certified holds for the system's and the palette's own numbers.
 from math import comb
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
@@ -22,7 +22,13 @@ __all__ = ["certified", "inside_at", "intervals"]
 
 TILE = 2048
 """Pixels shaded and clipped at a time: their spectra stay in cache."""
+NARROW = 32
+"""Slabs; of fewer, more pixels fit."""
 
+FAR = 1 - 1e-9
+"""A pixel below this share of its bounds is inside whatever its rounding, as nobody adds a million numbers."""
+
+Rows = Int[np.ndarray, " _"]
 Powers = Float[np.ndarray, "power pixel slab"]
 Slabs = Float[np.ndarray, " slab"]
 
@@ -35,24 +41,33 @@ def intervals(line: Line, bound: Bound, within: tuple[Number, Number], inward: i
     """
     if isinstance(line, Paints):
         return painted_intervals(line, bound, within)
-    tiles = []
-    for start in range(0, len(line.degrees), TILE):
+    sure, rest = _parted(line, bound, within[1])
+    line = line if not len(sure) else line.taken(rest)
+    tiles = [Spans(sure, np.full(len(sure), float(within[0])), np.full(len(sure), float(within[1])))]
+    for start in range(0, len(rest), TILE):
         found = _tile(line, slice(start, start + TILE), bound, within, inward)
-        tiles.append(found._replace(pixel=found.pixel + start))
-    if not tiles:
-        return Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
-    return Spans(*(np.concatenate(column) for column in zip(*tiles, strict=True)))
+        tiles.append(found._replace(pixel=rest[found.pixel + start]))
+    pixel, low, high = (np.concatenate(column) for column in zip(*tiles, strict=True))
+    if not len(sure):
+        return Spans(pixel, low, high)
+    order = np.argsort(pixel, kind="stable")
+    return Spans(pixel[order], low[order], high[order])
 
 
 def inside_at(line: Line, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
     """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
     error = -share * line.terms * ROUNDING
-    inside = np.empty(len(line.degrees), dtype=bool)
-    for start in range(0, len(inside), TILE):
-        rows = slice(start, start + TILE)
+    inside = np.ones(len(line.degrees), dtype=bool)
+    rest = np.arange(len(inside))
+    if isinstance(line, Along):
+        sure, rest = _parted(line, bound, t)
+        line = line if not len(sure) else line.taken(rest)
+    size = max(TILE, TILE * NARROW // max(1, len(bound.upper)))
+    for start in range(0, len(rest), size):
+        rows = slice(start, start + size)
         lower, upper = _moved(bound.lower, bound.upper, error, error * line.size(t, rows))
         values = line.at(t, rows)
-        inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
+        inside[rest[rows]] = ((lower <= values) & (values <= upper)).all(axis=1)
     return inside
 
 
@@ -72,6 +87,15 @@ def certified(final: Along, line: Along, bound: Bound) -> Bool[np.ndarray, " pix
         lower, upper = (np.where(moves, *pair) for pair in zip(sure, perhaps, strict=True))
         inside[rows] = ((lower <= values) & (values <= upper)).all(axis=1)
     return inside
+
+
+def _parted(line: Along, bound: Bound, top: Number) -> tuple[Rows, Rows]:
+    """Rows that stay so far below every bound up to `top` that one number each shows it, and all others."""
+    rows = np.arange(len(line.degrees))
+    if line.signed or len(bound.upper) < 2 or not (bound.lower <= 0).all() or not (bound.upper > 0).all():
+        return rows[:0], rows
+    sure = line.brightest(top, bound.upper) <= FAR
+    return rows[sure], rows[~sure]
 
 
 def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number], inward: int) -> Spans:

@@ -181,12 +181,14 @@ def _image(line: Line, asked: Limits, counted: Weighed, within: Range, progress:
     objects = counted.pixels
     touched, untouched = objects[line.touched[objects]], objects[~line.touched[objects]]
     found = spans_inside_all(line, asked, touched, within, progress)
+    fixable = np.zeros(len(touched), dtype=bool)
+    fixable[found.pixel] = True
     return _Image(
         counted=counted,
         touched=touched,
         spans=found._replace(pixel=touched[found.pixel]),
         outside=untouched[~inside_all(line, asked, untouched, 0.0)],
-        unfixable=np.delete(touched, np.unique(found.pixel)),
+        unfixable=touched[~fixable],
     )
 
 

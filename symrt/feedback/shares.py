@@ -4,7 +4,6 @@ The paper, §5: "clipping can be applied to force all pixels in-gamut, or some p
 allowed".  The sweep gives the whole curve, and from it the values, perhaps in several pieces, that keep enough inside.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -37,15 +36,14 @@ class Piece(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Values in rising order, and what all up to each count together; just their number if each counts 1."""
+    """Different values in rising order, and what all up to each count together."""
 
     values: Float[np.ndarray, " step"]
-    sums: Int[np.ndarray, " step"] | None = None
+    sums: Int[np.ndarray, " step"]
 
     def up_to(self, t: Float[np.ndarray, " value"], *, before: bool = False) -> Int[np.ndarray, " value"]:
         """What the values up to each t count, or those before it."""
-        count = np.searchsorted(self.values, t, side="left" if before else "right")
-        return count if self.sums is None else np.append(0, self.sums)[count]
+        return np.append(0, self.sums)[np.searchsorted(self.values, t, side="left" if before else "right")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,23 +121,21 @@ def pieces(
     always = int((~partly).sum()) if weights is None else int(weights[~partly].sum())
     weights = None if weights is None else weights[partly]
     begins, ends = _steps(kept.low, weights), _steps(kept.high, weights)
-    # The range's own ends count as a beginning and an end, so that every piece has both.
-    low, high = np.append(first, begins.values), np.append(ends.values, last)
-    gone = always - ends.up_to(low, before=True)
-    fewer, enough = gone + begins.up_to(low, before=True), gone + begins.up_to(low)
-    starts = (enough >= needed) & ((fewer < needed) | (low == first))
-    come = always + begins.up_to(high)
-    still, left = come - ends.up_to(high, before=True), come - ends.up_to(high)
-    stops = (still >= needed) & ((left < needed) | (high == last))
-    below = [
-        (t, End("range") if t == first else _nth(kind, kept.pixel, kept.low == t, weights, needed - count))
-        for t, count in _different(low[starts], fewer[starts])
-    ]
-    above = [
-        (t, End("range") if t == last else _nth(kind, kept.pixel, kept.high == t, weights, count - needed + 1))
-        for t, count in _different(high[stops], still[stops])
-    ]
-    return [Piece(a, b, one, other) for (a, one), (b, other) in zip(below, above, strict=True)]
+    come, gone = always + begins.up_to(ends.values), ends.up_to(begins.values, before=True)
+    inside, left = come - np.append(0, ends.sums)[:-1], come - ends.sums
+    enough, fewer = always + begins.sums - gone, always + np.append(0, begins.sums)[:-1] - gone
+    starts = np.flatnonzero((enough >= needed) & (fewer < needed) & (begins.values > first))
+    stops = np.flatnonzero((inside >= needed) & (left < needed) & (ends.values < last))
+    below, above = [], []
+    if always + _at(begins, first) >= needed:
+        below.append((first, End("range")))
+    for t, more in zip(begins.values[starts].tolist(), (needed - fewer[starts]).tolist(), strict=True):
+        below.append((t, _nth(kind, kept.pixel, kept.low == t, weights, more)))
+    for t, less in zip(ends.values[stops].tolist(), (inside[stops] - needed + 1).tolist(), strict=True):
+        above.append((t, _nth(kind, kept.pixel, kept.high == t, weights, less)))
+    if always + _at(begins, last) - _at(ends, last, before=True) >= needed:
+        above.append((last, End("range")))
+    return [Piece(low, high, one, other) for (low, one), (high, other) in zip(below, above, strict=True)]
 
 
 def tightest(spans: Spans, kind: Kind) -> Piece:
@@ -154,15 +150,15 @@ def tightest(spans: Spans, kind: Kind) -> Piece:
 
 
 def _steps(values: Float[np.ndarray, " span"], weights: Weights) -> Steps:
-    if weights is None:
-        return Steps(np.sort(values))
-    order = np.argsort(values)
-    return Steps(values[order], np.cumsum(weights[order]))
+    order = None if weights is None else np.argsort(values)
+    values = np.sort(values) if order is None else values[order]
+    ends = np.flatnonzero(np.append(values[1:] != values[:-1], True)[: len(values)])
+    sums = ends + 1 if weights is None else np.cumsum(weights[order])[ends]
+    return Steps(values[ends], sums)
 
 
-def _different(t: Float[np.ndarray, " value"], count: Int[np.ndarray, " value"]) -> Iterator[tuple[float, int]]:
-    values, first = np.unique(t, return_index=True)
-    return zip(values.tolist(), count[first].tolist(), strict=True)
+def _at(steps: Steps, t: float, *, before: bool = False) -> int:
+    return int(steps.up_to(np.array([t]), before=before)[0])
 
 
 def _nth(
