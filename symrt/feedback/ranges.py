@@ -105,8 +105,8 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     data are extrapolated).
     1 % less sun moves the upper limit by +1 %.
     0.0% of the object pixels are darker than the device's black.
-    Against unit gamut (0 … 1), black clipped (necessary; dye-sublimation-like, modelled from the dyes of Kodak
-    Professional Endura Premier paper); reference sun, exposure 1.
+    Against unit gamut (0 … 1), black clipped (necessary for a print of any printer; dye-sublimation-like, modelled
+    from the dyes of Kodak Professional Endura Premier paper); reference sun, exposure 1.
     """
     start = time.perf_counter()
     within = checked_range(parameter, within)
