@@ -118,15 +118,25 @@ class HullGamut:
         method for the distance, which is convex, close in on the boundary.
         """
         still = ~direction.any(axis=1)
+        # Squares of directions of any length neither overflow nor vanish once they are brought near 1, by powers of 2.
+        scale = np.frexp(np.abs(direction).max(axis=1))[1]
+        direction = np.ldexp(direction, -scale[:, None])
         low, high = self._ball(origin, direction)
         middle, low, high = self._entered(origin, direction, low, high)
         met = low <= high
         low[met] = self._end(origin[met], direction[met], low[met], middle[met])
         high[met] = self._end(origin[met], direction[met], high[met], middle[met])
+        with np.errstate(over="ignore"):
+            low, high = np.ldexp(low, -scale), np.ldexp(high, -scale)
+        # Where a line is so slow that the gamut lies beyond the largest number, no number keeps it inside.
+        beyond = met & (np.isposinf(low) | np.isneginf(high))
+        largest = np.finfo(float).max
+        low[met], high[met] = np.maximum(low[met], -largest), np.minimum(high[met], largest)
+        low[beyond], high[beyond] = np.inf, -np.inf
         inside = still & self.contains(origin) if still.any() else still
         low = np.where(still, np.where(inside, -np.inf, np.inf), low)
         high = np.where(still, np.where(inside, np.inf, -np.inf), high)
-        return Interval(low, high, np.zeros(len(low), dtype=bool))
+        return Interval(low, high, beyond & ~still)
 
     def reach(self, origin: PixelBands, direction: PixelBands) -> PerPixel:
         """The largest t <= 1 for which ``origin + t direction`` is inside, from an origin that is: half of a clip.

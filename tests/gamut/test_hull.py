@@ -137,6 +137,14 @@ def test_hull_clip_agrees_with_a_linear_programme(device):
         assert (a, b) == pytest.approx(tuple(ends), abs=1e-6)
 
 
+def test_a_line_so_slow_that_no_number_brings_it_inside_is_said_to_be_uncertain(hull, device):
+    start, way = device.samples[:1] + 0.5, np.full((1, 7), -1.0)
+    found = hull.clip(np.vstack([start, device.samples[:1]]), np.vstack([way, way]) * 5e-324)
+    assert found.empty.tolist() == found.uncertain.tolist() == [True, False]
+    # From inside every number does: the gamut ends beyond the largest.
+    assert found.high[1] == np.finfo(float).max
+
+
 def test_support_is_reached_by_no_point_and_by_one(hull):
     directions = np.random.default_rng(6).normal(0, 1, (20, 7))
     support = hull.support(directions)

@@ -111,6 +111,17 @@ def test_a_clipped_line_ends_on_the_boundary(gamut, spectra, name):
         assert not gamut.contains(start[missed] + t * way[missed]).any()
 
 
+@pytest.mark.parametrize("power", [-600, -40, 300])
+def test_a_line_that_is_gone_along_faster_ends_as_much_earlier_bit_for_bit(gamut, spectra, power):
+    if not convex(gamut):
+        return
+    inside = gamut.nearest(spectra)[::4]
+    direction = np.random.default_rng(6).normal(0, 1, inside.shape)
+    found, faster = gamut.clip(0.9 * inside, direction), gamut.clip(0.9 * inside, np.ldexp(direction, power))
+    np.testing.assert_array_equal(np.ldexp(faster.low, power), found.low)
+    np.testing.assert_array_equal(np.ldexp(faster.high, power), found.high)
+
+
 def test_a_line_that_stands_still_is_all_inside_or_all_outside(gamut, spectra):
     if not convex(gamut):
         return
