@@ -16,7 +16,7 @@ PICTURES = Path(__file__).parent.parent / "notebooks" / "pictures"
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """All three pictures, made anew by the README's lines."""
+    """All four pictures, made anew by the README's lines."""
     scene, given = rt.load_scene(SCENES / "globe.toml"), palettes("globe")
     system = rt.render(scene, progress=False)
     gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), model="envelope")
@@ -24,6 +24,10 @@ def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pictures")
     for name, palette in (given | {"lightest": fit.palette}).items():
         rt.save_image(folder / f"globe-{name}.png", rt.shade(system, palette))
+    half, pair = rt.Reference(exposure=0.5), (rt.Scale("brass.diffuse"), rt.Scale("brass.specular"))
+    region = rt.joint_region(system, given["macbeth"], gamut, *pair, reference=half, cap=False, progress=False)
+    figure = rt.plots.joint_region_figure(region, system, given["macbeth"], half)
+    (folder / "region.png").write_bytes(rt.plots.png(figure, dpi=100))
     return folder
 
 
@@ -35,13 +39,21 @@ def test_a_picture_in_the_readme_is_what_its_lines_make(made, name):
     assert np.abs(shown - now).max() <= 1
 
 
+def test_the_region_in_the_readme_is_what_its_lines_draw(made):
+    shown, now = (iio.imread(folder / "region.png").astype(int) for folder in (PICTURES, made))
+    assert shown.shape == now.shape
+    # Another version of matplotlib may set its letters by a fraction of a pixel elsewhere.
+    assert np.abs(shown - now).mean() < 2
+
+
 def test_the_readmes_commands_run(tmp_path, monkeypatch, capsys):
     text = (SCENES.parent / "README.md").read_text()
     block = text.partition("## On the command line")[2].split("```")[1]
     lines = [line for line in block.splitlines() if line.startswith("symrt ")]
-    assert len(lines) == 5
+    assert len(lines) == 8
     monkeypatch.chdir(tmp_path)
     for line in lines:
         assert main(shlex.split(line.partition("#")[0])[1:]) == 0, line
-    assert (tmp_path / "globe.png").stat().st_size > 10_000
+    for name in ("globe.png", "region.png", "prints.png", "outside.png"):
+        assert (tmp_path / name).stat().st_size > 10_000
     assert '"intervals"' in capsys.readouterr().out
