@@ -60,18 +60,8 @@ _NAMES = {
         "wavelengths",
     ],
     # 4: basis and gamut
-    "symrt.gamut": [
-        "Basis",
-        "Device",
-        "Gamut",
-        "basis_report",
-        "device_gamut",
-        "devices",
-        "intersection",
-        "load_device",
-        "load_gamut",
-        "save_gamut",
-    ],
+    "symrt.devices": ["Device", "devices", "fit_halftone", "load_device"],
+    "symrt.gamut": ["Basis", "Gamut", "basis_report", "device_gamut", "intersection", "load_gamut", "save_gamut"],
     # 5: feedback
     "symrt.feedback": [
         "Blend",

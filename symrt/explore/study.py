@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from tqdm.auto import tqdm
 
+from symrt.devices import load_device
 from symrt.feedback import Blend, Feasible, Fit, Scale, feasible, fit
-from symrt.gamut import Gamut, device_gamut, load_device
+from symrt.gamut import Gamut, device_gamut
 from symrt.linear import Formula, formula, render
 from symrt.scene import Scene
 from symrt.spectra import Palette, SpectralImage, shade

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from symrt.devices.device import Device
 from symrt.feedback.adapted import Adapted
 from symrt.feedback.boxes import SafeBox
 from symrt.feedback.pairs import JointRegion
@@ -13,7 +14,6 @@ from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.basis import uniform_first
-from symrt.gamut.device import Device
 from symrt.gamut.files import SavedGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.monitor import MonitorGamut
@@ -40,7 +40,8 @@ def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> facts = gamut_facts(device_gamut(load_device("dye3-endura-premier"), "envelope"))
     >>> facts["bands"], facts["largest c0"], facts["modelled"]
     (36, 5.4, True)

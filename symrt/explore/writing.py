@@ -26,7 +26,8 @@ def draw(path: Path, figure: str, *arguments: Any) -> None:
     Examples
     --------
     >>> import tempfile
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     draw(Path(folder) / "gamut.png", "solids_figure", device_gamut(load_device("dye3-endura-premier")))
     ...     (Path(folder) / "gamut.png").stat().st_size > 10_000

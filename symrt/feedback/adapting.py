@@ -93,7 +93,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     A sea twice as bright as paper can be: dimming does, and keeps half of its light.
 
     >>> from scipy import sparse
-    >>> from symrt.gamut import load_device
+    >>> from symrt.devices import load_device
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
     >>> column = Interaction("sun", ("sea.diffuse",))

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
+from symrt.devices.colorimetry import colour_difference, lab, tristimulus
 from symrt.feedback.limits import white_in_every_band
-from symrt.gamut.colorimetry import colour_difference, lab, tristimulus
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut

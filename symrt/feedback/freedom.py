@@ -83,7 +83,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     One pixel that two materials share: each alone may go to 3, both together not:
 
     >>> from scipy import sparse
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")

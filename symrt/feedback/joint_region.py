@@ -82,7 +82,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     Two materials share a pixel, each with a quarter of the white's light: their scales may sum to 4:
 
     >>> from scipy import sparse
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")

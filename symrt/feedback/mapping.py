@@ -92,7 +92,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     Sea and ice stop at the print's white, each on its own:
 
     >>> from scipy import sparse
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
     >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))

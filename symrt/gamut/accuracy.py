@@ -17,9 +17,9 @@ from html import escape
 import numpy as np
 from jaxtyping import Float
 
+from symrt.devices.colorimetry import colour_difference, lab, tristimulus
+from symrt.devices.device import Device
 from symrt.gamut.basis import Samples, uniform_first
-from symrt.gamut.colorimetry import colour_difference, lab, tristimulus
-from symrt.gamut.device import Device
 from symrt.spectra.bands import Number
 
 __all__ = ["BasisReport", "basis_report"]
@@ -123,7 +123,7 @@ def basis_report(device: Device, light: str = "illuminant/D50") -> BasisReport:
 
     Examples
     --------
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> report = basis_report(load_device("dye3-endura-premier"))
     >>> report.rms[:2].round(3), report.largest[:2].round(1)
     (array([0.166, 0.097]), array([41.9, 44.2]))

@@ -23,11 +23,12 @@ from pathlib import Path
 import numpy as np
 
 from symrt.archives import Kind, read_archive, whole, write_archive
-from symrt.gamut.device import Device
+from symrt.devices.device import Device
+from symrt.devices.monitors import Monitor
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import AnyIntersection, UnevenGamut, intersection
-from symrt.gamut.monitor import Monitor, MonitorGamut
+from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.records import GAMUTS, Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
 
 __all__ = ["load_gamut", "save_gamut"]
@@ -52,7 +53,7 @@ def save_gamut(path: str | Path, gamut: SavedGamut) -> None:
     --------
     >>> import tempfile
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_gamut(Path(folder) / "endura.npz", device_gamut(load_device("dye3-endura-premier"), "envelope"))
     ...     load_gamut(Path(folder) / "endura.npz").name

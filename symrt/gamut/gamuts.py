@@ -2,11 +2,12 @@
 
 from typing import Literal, overload
 
+from symrt.devices.device import Device
+from symrt.devices.monitors import Monitor
 from symrt.errors import shown
 from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
-from symrt.gamut.device import Device
 from symrt.gamut.hull import TOLERANCE, HullGamut, hull_gamut
-from symrt.gamut.monitor import Monitor, MonitorGamut, monitor_gamut
+from symrt.gamut.monitor import MonitorGamut, monitor_gamut
 from symrt.gamut.recipes import InkGamut, ink_gamut
 from symrt.gamut.slabs import Black, Gamut
 from symrt.gamut.slabs import device_gamut as slab_gamut
@@ -64,7 +65,7 @@ def device_gamut(
 
     Examples
     --------
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> device_gamut(load_device("dye3-endura-premier"), "colorimetric").label
     'necessary for a colour match under illuminant/D50'
     """

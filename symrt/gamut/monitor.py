@@ -1,14 +1,9 @@
 """Monitors: the colours that three primaries mix, a gamut for step 4 of the paper.
 
 A radiance p, exposed by e, is shown if its drive values ``a = M⁻¹ XYZ(e p)`` lie in [0, 1].  The columns of M are the
-XYZ of the primaries [1]_, [2]_, with their white at luminance 1.  Nothing is divided by the reference white's spectrum,
+XYZ of the primaries with their white at luminance 1.  Nothing is divided by the reference white's spectrum,
 only by its luminance: a monitor does not adapt.  The set is a parallelepiped in colour space; being inside is necessary
 and sufficient for the same *colour*, and says nothing of the spectrum.
-
-References
-----------
-.. [1] G. M. Machado, "A model for simulation of color vision deficiency", UFRGS 2010: Brainard's tube.
-.. [2] M. Fairchild and D. Wyble, "Colorimetric characterization of the Apple Studio Display (flat panel LCD)", 1998.
 """
 
 from dataclasses import dataclass, replace
@@ -18,58 +13,17 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.devices.colorimetry import tristimulus
+from symrt.devices.device import Device
+from symrt.devices.monitors import EQUAL_ENERGY, Monitor
 from symrt.gamut.clipping import Interval
-from symrt.gamut.colorimetry import tristimulus
-from symrt.gamut.device import Device
 from symrt.gamut.interface import ROUNDING, Slabs
-from symrt.spectra.bands import RGB, Bands, wavelengths
+from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
-from symrt.spectra.library import display_primaries
 
-__all__ = ["Monitor", "MonitorGamut", "load_monitor", "monitor_gamut", "monitors"]
-
-DISPLAYS = {
-    "crt-brainard": ("Typical CRT Brainard 1997", "a typical cathode ray tube, Brainard 1997"),
-    "apple-studio-display": ("Apple Studio Display", "a flat liquid crystal panel, Fairchild and Wyble 1998"),
-}
-EQUAL_ENERGY = "illuminant/E"
+__all__ = ["MonitorGamut", "monitor_gamut"]
 
 Drive = Float[np.ndarray, "pixel 3"]
-
-
-@dataclass(frozen=True, eq=False)
-class Monitor:
-    """A monitor, known by what its primaries do to the eye.
-
-    Parameters
-    ----------
-    name
-        What `load_device` calls it.
-    bands
-        Wavelengths of the spectra that it is asked to show, or RGB.
-    primaries
-        XYZ of red, green and blue, a column each, with Y = 1 for their sum; for RGB bands the unit matrix.
-    title, provenance
-        What it is and where its numbers come from.
-    """
-
-    name: str
-    bands: Bands
-    primaries: Float[np.ndarray, "3 3"]
-    title: str
-    provenance: str
-
-    def on(self, bands: Bands) -> "Monitor":
-        """The same monitor for spectra at other wavelengths; its primaries do not depend on them."""
-        if (bands.kind == "rgb") != (self.bands.kind == "rgb"):
-            raise ValueError(
-                f"{self.name} shows {'RGB' if self.bands.kind == 'rgb' else 'spectra'}, not {bands!r}: 'srgb' is for "
-                "images in RGB, the other monitors for wavelengths"
-            )
-        return replace(self, bands=bands)
-
-    def __repr__(self) -> str:
-        return f"Monitor({self.name!r}, {self.bands!r}: {self.title})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +39,7 @@ class MonitorGamut:
 
     Examples
     --------
+    >>> from symrt.devices.monitors import load_monitor
     >>> gamut = monitor_gamut(load_monitor("srgb"))
     >>> gamut.contains(np.array([[1.0, 0.5, 0.0], [1.01, 0.5, 0.0]]))
     array([ True, False])
@@ -166,47 +121,6 @@ class MonitorGamut:
         return f"MonitorGamut({self.name}; inside is {self.label})"
 
 
-def monitors() -> tuple[str, ...]:
-    """Names that `load_monitor` knows.
-
-    Examples
-    --------
-    >>> monitors()
-    ('crt-brainard', 'apple-studio-display', 'srgb')
-    """
-    return (*DISPLAYS, "srgb")
-
-
-def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
-    """A monitor by name.
-
-    Parameters
-    ----------
-    name
-        One of `monitors`; ``srgb`` is for images in RGB only.
-    bands
-        Wavelengths of the spectra that it is asked to show; 380 … 730 nm by 10 nm if not given.
-
-    Examples
-    --------
-    >>> load_monitor("crt-brainard")
-    Monitor('crt-brainard', Bands(36 wavelengths, 380 … 730 nm): a typical cathode ray tube, Brainard 1997)
-    """
-    if name == "srgb":
-        monitor = Monitor(name, RGB, np.eye(3), "linear sRGB", "IEC 61966-2-1:1999, red, green and blue as they are.")
-        return monitor.on(bands) if bands else monitor
-    table, title = DISPLAYS[name]
-    nm, spectra = display_primaries(table)
-    xyz = spectra @ tristimulus(Bands(tuple(nm.tolist())), EQUAL_ENERGY)
-    return Monitor(
-        name=name,
-        bands=wavelengths(380, 730, 10),
-        primaries=(xyz / xyz[:, 1].sum()).T,
-        title=title,
-        provenance=f"Spectra of the primaries: {table!r} of colour-science, 380 … 780 nm by 5 nm.",
-    ).on(bands or wavelengths(380, 730, 10))
-
-
 def monitor_gamut(monitor: Monitor) -> MonitorGamut:
     """What a monitor shows of reflectances, against an equal-energy white until it is told another, see `under`.
 
@@ -214,6 +128,7 @@ def monitor_gamut(monitor: Monitor) -> MonitorGamut:
     --------
     A white diffuser, lit by equal energy, needs more red than the tube's bluish white has:
 
+    >>> from symrt.devices.monitors import load_monitor
     >>> gamut = monitor_gamut(load_monitor("crt-brainard"))
     >>> gamut.driven(np.ones((1, 36))).round(2)
     array([[1.42, 0.9 , 0.76]])

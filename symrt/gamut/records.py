@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from symrt.devices.device import Device
+from symrt.devices.dyes import Dyes
+from symrt.devices.halftone import Halftone
+from symrt.devices.monitors import Monitor
 from symrt.errors import shown
 from symrt.gamut.colorimetric import ColorimetricGamut
-from symrt.gamut.device import Device
-from symrt.gamut.dyes import Dyes
 from symrt.gamut.gamuts import AnyGamut
-from symrt.gamut.halftone import Halftone
 from symrt.gamut.hull import HullGamut
-from symrt.gamut.monitor import Monitor, MonitorGamut
+from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import RGB, Bands, coordinates
@@ -129,7 +130,7 @@ def record_of_device(device: Device | Monitor, prefix: str, arrays: Arrays) -> H
 
     Examples
     --------
-    >>> from symrt.gamut.monitor import load_monitor
+    >>> from symrt.devices.monitors import load_monitor
     >>> arrays: Arrays = {}
     >>> record = record_of_device(load_monitor("srgb"), "device0_", arrays)
     >>> record["kind"], record["bands"]["kind"], list(arrays)

@@ -10,8 +10,8 @@ from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.text import Text
 
 import symrt as rt
+from symrt.devices.colorimetry import tristimulus
 from symrt.explore import plots
-from symrt.gamut.colorimetry import tristimulus
 from symrt.spectra.display import display_matrix, encode
 
 MODELS = {

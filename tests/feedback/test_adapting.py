@@ -7,9 +7,10 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 from scipy.interpolate import CubicSpline
 
+from symrt.devices import load_device
 from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
-from symrt.gamut import device_gamut, load_device
+from symrt.gamut import device_gamut
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import observer, spectrum
 from symrt.spectra.palette import Palette

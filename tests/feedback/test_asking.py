@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
 
+from symrt.devices import load_device
 from symrt.feedback import Blend, Exposure, Scale, feasible
 from symrt.feedback.along import along
 from symrt.feedback.asking import spans_inside_all
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved, moved_ends
-from symrt.gamut import device_gamut, load_device
+from symrt.gamut import device_gamut
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
 

@@ -9,9 +9,9 @@ import pytest
 from feedback.synthetic import BANDS
 from scipy import sparse
 
+from symrt.devices.inks import load_device
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
-from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference

@@ -9,6 +9,7 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
 from symrt import gamut
+from symrt.devices.inks import load_device
 from symrt.feedback.along import along
 from symrt.feedback.intervals import intervals
 from symrt.feedback.limits import limits
@@ -17,7 +18,6 @@ from symrt.feedback.mixing import absorption, mixed, painted, reflected, slopes
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut.hull import hull_gamut
-from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

@@ -7,8 +7,9 @@ from scenes_for_tests import palettes, small
 from scipy import sparse
 
 import symrt as rt
+from symrt.devices import load_device
 from symrt.feedback import map_pixels
-from symrt.gamut import device_gamut, load_device
+from symrt.gamut import device_gamut
 
 
 @pytest.fixture(scope="module")

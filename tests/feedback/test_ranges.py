@@ -10,12 +10,12 @@ from feedback.synthetic import BANDS, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog
 
+from symrt.devices.inks import load_device
 from symrt.feedback.along import along
 from symrt.feedback.limits import rising_limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut import device_gamut
-from symrt.gamut.inks import load_device
 from symrt.spectra.bands import RGB
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

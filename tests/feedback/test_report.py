@@ -5,8 +5,9 @@ import pytest
 from scenes_for_tests import palettes, small
 
 import symrt as rt
+from symrt.devices import load_device, load_monitor
 from symrt.feedback import report
-from symrt.gamut import device_gamut, load_device, load_monitor, monitor_gamut
+from symrt.gamut import device_gamut, monitor_gamut
 
 
 @pytest.fixture(scope="module")

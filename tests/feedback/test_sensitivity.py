@@ -5,11 +5,11 @@ import pytest
 from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
+from symrt.devices.inks import load_device
 from symrt.explore.tables import feasible_record
 from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
 from symrt.feedback.ranges import feasible
 from symrt.feedback.weighing import pixels_of
-from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
 
+from symrt.devices.inks import load_device
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.feedback.regions import split
 from symrt.feedback.weighing import Weighed, pixels_of, weighed
-from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

@@ -11,12 +11,12 @@ import pytest
 
 import symrt.gamut.files as module
 from symrt.archives import read_archive, write_archive
-from symrt.gamut.device import Device
+from symrt.devices.device import Device
+from symrt.devices.fitting import fit_halftone
+from symrt.devices.halftone import Halftone
+from symrt.devices.inks import load_device
 from symrt.gamut.files import KIND, _digest, load_gamut, save_gamut
-from symrt.gamut.fitting import fit_halftone
 from symrt.gamut.gamuts import device_gamut
-from symrt.gamut.halftone import Halftone
-from symrt.gamut.inks import load_device
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import spectrum
 

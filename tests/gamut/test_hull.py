@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize, nnls
 
-from symrt.gamut import Device, device_gamut, load_device
+from symrt.devices import Device, load_device
+from symrt.gamut import device_gamut
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut
 from symrt.gamut.mixtures import _by_corrals, nearest_mixtures

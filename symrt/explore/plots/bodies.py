@@ -5,13 +5,13 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
+from symrt.devices.colorimetry import VISIBLE, lab, tristimulus
 from symrt.explore.plots.gamut import device_text, solids_figure
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, wrapped
 from symrt.explore.solid import View
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.colorimetric import ColorimetricGamut
-from symrt.gamut.colorimetry import VISIBLE, lab, tristimulus
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.intersections import AnyIntersection, SlabIntersection
@@ -41,7 +41,8 @@ def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
 
     Examples
     --------
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> body_figure(device_gamut(load_device("dye3-endura-premier"), "hull")).get_suptitle()
     "Prints, 3 of 36 components: hull of dye3-endura-premier's prints, within 0.0100 RMS (sampling gap 0.0029)"
     """

@@ -15,11 +15,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from symrt.devices.device import Device
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
 from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
 from symrt.explore.solid import View, facets, spread
-from symrt.gamut.device import Device
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -63,7 +63,8 @@ def gamut_figure(
 
     Examples
     --------
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> palette = Palette(gamut.bands, {"sun": "illuminant/D65", "sea.diffuse": "macbeth/blue sky"})
     >>> gamut_figure(gamut, palette).get_suptitle()
@@ -100,7 +101,8 @@ def solids_figure(gamut: Gamut) -> Drawing:
 
     Examples
     --------
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> solids_figure(device_gamut(load_device("dye3-endura-premier"))).get_suptitle()
     'Spectral gamut, 3 of 36 components: unit gamut (0 … 1), black clipped'
     """

@@ -61,7 +61,8 @@ def joint_region_figure(
     --------
     >>> from scipy import sparse
     >>> from symrt.feedback import Scale, joint_region
-    >>> from symrt.gamut import device_gamut, load_device
+    >>> from symrt.devices import load_device
+    >>> from symrt.gamut import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
     >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
+from symrt.devices.charts import load_chart
+from symrt.devices.device import Device, reflectance
+from symrt.devices.dyes import dye_device, dye_devices
+from symrt.devices.halftone import synthetic_device, synthetic_devices
+from symrt.devices.monitors import Monitor, load_monitor, monitors
 from symrt.errors import shown
-from symrt.gamut.charts import load_chart
-from symrt.gamut.device import Device, reflectance
-from symrt.gamut.dyes import dye_device, dye_devices
-from symrt.gamut.halftone import synthetic_device, synthetic_devices
-from symrt.gamut.monitor import Monitor, load_monitor, monitors
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import did_you_mean
 

@@ -16,8 +16,8 @@ from xml.parsers import expat
 import numpy as np
 from jaxtyping import Float
 
+from symrt.devices.measured import Measured, conditions, fractions, number
 from symrt.errors import shown
-from symrt.gamut.measured import Measured, conditions, fractions, number
 from symrt.spectra.bands import Bands
 
 __all__ = ["read_cxf"]

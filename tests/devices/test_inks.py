@@ -7,9 +7,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from symrt.devices.dyes import dye_devices
+from symrt.devices.inks import load_device, reflectance
 from symrt.gamut.basis import uniform_first
-from symrt.gamut.dyes import dye_devices
-from symrt.gamut.inks import load_device, reflectance
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.library import spectrum
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symrt.gamut.colorimetry import lab, tristimulus
+from symrt.devices.colorimetry import lab, tristimulus
+from symrt.devices.inks import load_device, reflectance
 from symrt.gamut.files import load_gamut, save_gamut
-from symrt.gamut.inks import load_device, reflectance
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from symrt.devices.cgats import decoded, read_cgats
+from symrt.devices.cxf import read_cxf
+from symrt.devices.device import Device
+from symrt.devices.measured import Measured, fractions, from_rows
 from symrt.errors import shown
-from symrt.gamut.cgats import decoded, read_cgats
-from symrt.gamut.cxf import read_cxf
-from symrt.gamut.device import Device
-from symrt.gamut.measured import Measured, fractions, from_rows
 from symrt.spectra.bands import Bands
 
 __all__ = ["load_chart"]

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symrt.devices.measured import Measured, Row, conditions, from_rows, is_spectral, number
 from symrt.errors import shown
-from symrt.gamut.measured import Measured, Row, conditions, from_rows, is_spectral, number
 
 __all__ = ["decoded", "read_cgats"]
 

@@ -12,12 +12,12 @@ import mpmath
 import numpy as np
 import pytest
 
-from symrt.gamut.colorimetry import tristimulus
-from symrt.gamut.device import Device, reflectance
+from symrt.devices.colorimetry import tristimulus
+from symrt.devices.device import Device, reflectance
+from symrt.devices.fitting import fit_halftone
+from symrt.devices.halftone import Halftone, demichel, synthetic_devices
+from symrt.devices.inks import load_device
 from symrt.gamut.files import load_gamut, save_gamut
-from symrt.gamut.fitting import fit_halftone
-from symrt.gamut.halftone import Halftone, demichel, synthetic_devices
-from symrt.gamut.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import colour_science

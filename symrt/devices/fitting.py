@@ -16,9 +16,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares, minimize_scalar
 
-from symrt.gamut.colorimetry import colour_difference, lab, tristimulus
-from symrt.gamut.device import Device
-from symrt.gamut.halftone import LARGEST_GAIN, MOST_INKS, Halftone, demichel, spread, unspread
+from symrt.devices.colorimetry import colour_difference, lab, tristimulus
+from symrt.devices.device import Device
+from symrt.devices.halftone import LARGEST_GAIN, MOST_INKS, Halftone, demichel, spread, unspread
 
 __all__ = ["HalftoneFit", "fit_halftone"]
 
@@ -96,7 +96,7 @@ def fit_halftone(device: Device, *, dot_gain: bool = True, light: str = "illumin
 
     Examples
     --------
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> from symrt.spectra.bands import wavelengths
     >>> fit = fit_halftone(load_device("synthetic-cmyk", wavelengths(400, 700, 50)))
     >>> round(fit.printer.exponent, 3), fit.rms < 1e-5

@@ -21,8 +21,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from symrt.gamut.device import Device
-from symrt.gamut.dyes import PAPER_WHITE, SURFACE, dye_printer, guessed_bands
+from symrt.devices.device import Device
+from symrt.devices.dyes import PAPER_WHITE, SURFACE, dye_printer, guessed_bands
 from symrt.spectra.bands import Bands, resample
 
 __all__ = ["Halftone", "demichel", "synthetic_device", "synthetic_devices"]

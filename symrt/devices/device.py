@@ -111,7 +111,7 @@ class Device:
 
         Examples
         --------
-        >>> from symrt.gamut.inks import load_device
+        >>> from symrt.devices.inks import load_device
         >>> from symrt.spectra.bands import wavelengths
         >>> load_device("dye3-endura-premier").on(wavelengths(400, 700, 20)).samples.shape
         (729, 16)
@@ -142,7 +142,7 @@ def reflectance(device: Device | Printer, amounts: Amounts) -> Prints:
 
     Examples
     --------
-    >>> from symrt.gamut.inks import load_device
+    >>> from symrt.devices.inks import load_device
     >>> reflectance(load_device("dye3-endura-premier"), np.zeros((1, 3)))[0, :2]
     array([0.9, 0.9])
     """

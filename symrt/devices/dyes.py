@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from symrt.gamut.device import Device
+from symrt.devices.device import Device
 from symrt.spectra.bands import Bands, resample
 
 __all__ = ["Dyes", "dye_device", "dye_devices", "dye_printer"]
