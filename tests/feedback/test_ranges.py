@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from symrt.devices.inks import load_device
+from symrt.feedback import intervals
 from symrt.feedback.along import along
 from symrt.feedback.limits import rising_limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
@@ -277,6 +278,22 @@ def test_awkward_systems_are_inside_at_every_end_and_outside_beyond(seed):
                     beyond = reflectances(image, colours, parameter, t + step * max(t, 1e-3))
                     band = BANDS.labels.index(why.band)
                     assert beyond[objects == why.x][0, band] > ENVELOPE.upper[band]
+
+
+@pytest.mark.parametrize("parameter", [Scale("key"), Scale("brass"), Blend("deep", "ice"), Exposure()], ids=str)
+@pytest.mark.parametrize("black", ["clip", "luminance", "strict"])
+def test_looking_closely_only_near_the_bounds_changes_no_bit(parameter, black, monkeypatch):
+    gamut = device_gamut(DEVICE, "envelope", black)
+    options = {"reference": Reference(exposure=0.4), "allowed_dark": 0.05, "cap": False}
+    quick = feasible(IMAGE, COLOURS, gamut, parameter, **options)
+    monkeypatch.setattr(intervals, "FAR", -1.0)
+    close = feasible(IMAGE, COLOURS, gamut, parameter, **options)
+    assert quick.intervals == close.intervals
+    assert quick.reasons == close.reasons
+    assert np.array_equal(quick.untouched_outside, close.untouched_outside)
+    assert np.array_equal(quick.unfixable, close.unfixable)
+    assert all(np.array_equal(a, b) for a, b in zip(quick.curve.begins, close.curve.begins, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(quick.curve.ends, close.curve.ends, strict=True))
 
 
 def test_a_band_that_the_parameter_does_not_move_may_lie_on_its_bound():
