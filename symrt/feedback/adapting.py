@@ -182,6 +182,7 @@ class _Work:
             reference=self.reference,
             cap=self.cap,
             least_luminance=0.0,
+            progress=False,
         )
 
 

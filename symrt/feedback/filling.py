@@ -7,7 +7,7 @@ image is found the same way downwards: the level sinks from the high end, each s
 and stops where a pixel would fall below the device's black.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
@@ -40,7 +40,10 @@ INWARD = 8
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What is filled: a system, the symbols of each scale, the bounds, and the pixels that need not be inside."""
+    """What is filled: a system, the symbols of each scale, the bounds, and the pixels that need not be inside.
+
+    What it takes is ticked, a call for each level, programme or scale.
+    """
 
     system: LinearSystem
     palette: Palette
@@ -49,6 +52,7 @@ class Task:
     within: tuple[float, float]
     cap: bool
     left_out: Pixels = field(default_factory=lambda: np.zeros(0, dtype=int))
+    tick: Callable[[], object] = bool
 
     @cached_property
     def deciding(self) -> tuple[Pixels, Pixels]:
@@ -105,6 +109,7 @@ def lightest(task: Task, budget: int = 0) -> Filled:
     out = task.left_out
     optimum: Literal["global", "local"] = "global"
     while free := frozenset(task.symbols).difference(values):
+        task.tick()
         line = task.line(values, free)
         bound = task.asked.upper
         touched = rows[line.touched[rows]]
@@ -177,6 +182,7 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
     values, reasons = dict(first.values), dict[str, Reason]()
     level = max(values.values())
     while free := frozenset(task.symbols).difference(reasons):
+        task.tick()
         sinking = frozenset(n for n in free if values[n] >= level)
         below = max((values[n] for n in free - sinking), default=low)
         others = {n: v for n, v in values.items() if n not in sinking}

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
+from tqdm.auto import tqdm
 
 from symrt.feedback.along import along_ends
 from symrt.feedback.boxes import Box, SafeBox
@@ -23,6 +24,7 @@ from symrt.feedback.intervals import inside_at
 from symrt.feedback.joint import Joint, counted_pixels, joint
 from symrt.feedback.limits import rising_limits
 from symrt.feedback.mapping import certify, task_of, with_black
+from symrt.feedback.outermost import outermost
 from symrt.feedback.parameters import Scale
 from symrt.feedback.posynomials import sliders
 from symrt.feedback.programmes import Programme, Solved, solved
@@ -58,6 +60,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     reference: Reference | None = None,
     cap: bool = True,
     samples: int = 0,
+    progress: bool = True,
 ) -> SafeBox:
     """The largest box in which all scales may move freely and independently while the image stays inside a gamut.
 
@@ -71,6 +74,8 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
         Share of the pixels above black with the palette given that may fall below.
     samples
         Points at which to try the box of the separate ranges, seeded; 0: no comparison.
+    progress
+        Whether steps are counted on standard error, after a second.
 
     Raises
     ------
@@ -103,14 +108,17 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
         raise ValueError(f"within = {within}: a box needs room, low below high")
     if task.line({}, frozenset(task.symbols)).signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
-    found = joint(task)
-    bottom, top, counted, cost = _corners(task, found, allowed_dark)
-    reasons = {name: (Reason("range"), why) for name, why in found.reasons.items()}
-    close = near(found.image, top, found.names)
-    for name in found.names:
-        top[name], above = raised(task, close, top, name)
-        bottom[name], below = lowered(task, counted, bottom, name)
-        reasons[name] = below, above
+    with tqdm(desc="safe box", unit="step", delay=1, leave=False, disable=not progress) as bar:
+        task = replace(task, tick=bar.update)
+        found = joint(task)
+        bottom, top, counted, cost = _corners(task, found, allowed_dark)
+        reasons = {name: (Reason("range"), why) for name, why in found.reasons.items()}
+        close = near(found.image, top, found.names)
+        for name in found.names:
+            task.tick()
+            top[name], above = raised(task, close, top, name)
+            bottom[name], below = lowered(task, counted, bottom, name)
+            reasons[name] = below, above
     separate = _separate(task, gamut, reference) if samples else None
     answer = _answer(task, found, bottom, top, counted)
     return replace(
@@ -133,7 +141,8 @@ def _corners(
     low, high, counted = task.within[0], task.within[1], np.zeros(0, dtype=int)
     if task.asked.dark is None:
         programme = Programme(_room(low), found.image, found.caps, found.box)
-        cost = solved(programme, np.full(len(found.names), np.log((low + high) / 2))) if found.names else NOTHING
+        middle = np.full(len(found.names), np.log((low + high) / 2))
+        cost = solved(programme, middle, task.tick) if found.names else NOTHING
         if cost is None:
             raise ArithmeticError("no box was found, although the low end of the range is inside")
         ends = np.full(len(found.names), low), np.exp(cost.y)
@@ -154,13 +163,14 @@ def _between(
     n, start = len(free), np.log([filled[name] for name in found.names])
     if task.asked.dark is None or not n:
         return (np.exp(start), np.exp(start)), NOTHING
-    dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, counted, upper=False)
+    deciding = outermost(task.system.G, counted, upper=False)
+    dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
     eye, none = np.eye(n), np.zeros((n, n))
     planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))
     programme = Programme(_room(None), found.image, found.caps, planes, dark=dark, bottom=n)
     # At the filled image something is as bright as it may be, but what is darkest may still be halfway to black.
     room = np.log(dark.darkest(start)[0].min(initial=np.e)) / (2 * max(1.0, dark.exponents.sum(axis=1).max()))
-    cost = solved(programme, np.concatenate([start, start - room])) if room > NARROW else None
+    cost = solved(programme, np.concatenate([start, start - room]), task.tick) if room > NARROW else None
     if cost is None:
         return (np.exp(start), np.exp(start)), NOTHING._replace(optimum="local")
     return (np.exp(cost.y[n:]), np.exp(cost.y[:n])), cost

@@ -6,10 +6,12 @@ Filling does not: see `symrt.feedback.filling`.  The image that comes out is che
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Int
+from tqdm.auto import tqdm
 
 from symrt.feedback.acceptance import OBJECTIVES, Goal, answered
 from symrt.feedback.along import Along, along_ends
@@ -49,6 +51,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     cap: bool = True,
     regions: Regions | None = None,
     least_luminance: Number = 0.5,
+    progress: bool = True,
 ) -> Fit:
     """The palette in a range of scales that keeps the image inside a gamut and is best in some respect.
 
@@ -81,6 +84,8 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     least_luminance
         Share of the mean of min(Y, 1) of the image given that an acceptable answer's mean luminance keeps; 0 accepts
         any.  It does not bind ``"darkest"``.
+    progress
+        Whether steps are counted on standard error, after a second.
 
     Raises
     ------
@@ -120,14 +125,16 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     untouched = objects[~whole.touched[objects]]
     outside = untouched[~inside_at(whole.seen(task.asked.upper.matrix, untouched), task.asked.upper, 0.0)]
     most = int(allowed_out * len(objects) + 1e-9)
-    found, kept, acceptable = answered(
-        task,
-        objective,
-        allowed_dark=allowed_dark,
-        regions=regions,
-        least_luminance=least_luminance,
-        budget=max(0, most - len(outside) - len(first_limits(task)[1])),
-    )
+    budget = max(0, most - len(outside) - len(first_limits(task)[1]))
+    with tqdm(desc="fit", unit="step", delay=1, leave=False, disable=not progress) as bar:
+        found, kept, acceptable = answered(
+            replace(task, tick=bar.update),
+            objective,
+            allowed_dark=allowed_dark,
+            regions=regions,
+            least_luminance=least_luminance,
+            budget=budget,
+        )
     fitted = task.painted(found.values)
     final = along_ends(system, fitted, {})
     left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside))

@@ -154,7 +154,7 @@ def _finished(
         dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
         programme = replace(programme, dark=dark)
     logs = found.low if start is None else np.log([start[name] for name in found.names])
-    answer = solved(programme, _with_ratio(programme, logs))
+    answer = solved(programme, _with_ratio(programme, logs), task.tick)
     if answer is None:
         return None
     return replace(_settled(found, answer, counted, most), cost=programme.objective(answer.y)[0])

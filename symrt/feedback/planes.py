@@ -50,6 +50,7 @@ def largest(sums: Posynomials, found: Joint) -> Solved:
     gain, _ = _matrix(sums)
     chosen = found.image.first()
     for rounds in range(1, MOST_ROUNDS):
+        found.task.tick()
         parts = [_matrix(found.image.rows(*chosen)), _matrix(found.caps)]
         matrix, constant = (np.concatenate(part) for part in zip(*parts, strict=True))
         x = _solution(gain[0], matrix, 1 - constant, low, high)

@@ -11,6 +11,7 @@ References
 .. [2] M. Avriel and A. C. Williams, "Complementary geometric programming", SIAM J. Appl. Math. 19(1), 1970.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -87,24 +88,28 @@ class Solved(NamedTuple):
     rows: int
 
 
-def solved(programme: Programme, start: Point) -> Solved | None:
+def solved(programme: Programme, start: Point, tick: Callable[[], object] = bool) -> Solved | None:
     """The best point; None if there is none, or none for sure.
 
-    Lower bounds, if there are any, must hold at the start; the point found is then the best nearby.
+    Lower bounds, if there are any, must hold at the start; the point found is then the best nearby.  Each programme
+    solved is ticked.
     """
     chosen = programme.upper.first()
     if programme.convex:
-        return _convex(programme, chosen, start)[0]
-    return _condensed(programme, chosen, start)
+        return _convex(programme, chosen, start, tick)[0]
+    return _condensed(programme, chosen, start, tick)
 
 
 Chosen = tuple[Pixels, Pixels]
 """Pixels, counted in an image, and the band of each."""
 
 
-def _convex(programme: Programme, chosen: Chosen, start: Point) -> tuple[Solved | None, Chosen]:
+def _convex(
+    programme: Programme, chosen: Chosen, start: Point, tick: Callable[[], object]
+) -> tuple[Solved | None, Chosen]:
     """Solve, add what is violated most, solve again."""
     for rounds in range(1, MOST_ROUNDS):
+        tick()
         image = programme.upper.rows(*chosen)
         rows = stacked([_wide(image, programme.size), _wide(programme.rows, programme.size)])
         rows = replace(rows, logs=rows.logs + MARGIN)
@@ -119,7 +124,7 @@ def _convex(programme: Programme, chosen: Chosen, start: Point) -> tuple[Solved 
     raise ArithmeticError(f"rows are still violated after {MOST_ROUNDS} rounds")
 
 
-def _condensed(programme: Programme, chosen: Chosen, start: Point) -> Solved | None:
+def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callable[[], object]) -> Solved | None:
     """Replace lower bounds by their tangents at the best point so far."""
     best, value, rounds, rows = start, np.inf, 0, 0
     dark: Chosen = (np.zeros(0, dtype=int), np.zeros(0, dtype=int))
@@ -129,7 +134,7 @@ def _condensed(programme: Programme, chosen: Chosen, start: Point) -> Solved | N
         dark = near, slab[near]
     for _ in range(MOST_ROUNDS):
         nearby = _linearised(programme, dark, best)
-        found, chosen = _convex(nearby, chosen, best)
+        found, chosen = _convex(nearby, chosen, best, tick)
         if found is None:
             break
         rounds, rows = rounds + found.rounds, found.rows + len(nearby.planes.offsets)

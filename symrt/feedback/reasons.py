@@ -260,6 +260,8 @@ class Fit:
         lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
         if len(self.left_out):
             lines.insert(0, f"{len(self.left_out)} of {self.objects} object pixels are left outside, as allowed.")
+        if self.objective == "darkest" and any(why.side in ("lower", "luminance") for why in self.reasons.values()):
+            lines.append("Single pixels that are above black as given stop it: a larger allowed_dark lets some fall.")
         work = f"{self.rounds} programmes of up to {self.rows} rows, " if self.rounds else ""
         return [*lines, f"{work}{self.seconds:.2f} s; mean luminance {self.luminance:.1%} of the image given."]
 

@@ -216,6 +216,13 @@ def test_the_darkest_image_keeps_pixels_above_the_luminance_of_black(share):
         assert (darkest & ~above(darker)).any(), name
 
 
+def test_the_darkest_image_says_what_would_let_it_sink_further():
+    gamut = device_gamut(DEVICE, "envelope", "luminance")
+    stopped = fit(MIRRORED, COLOURS, gamut, MATERIALS, objective="darkest", cap=False)
+    assert "a larger allowed_dark lets some fall" in repr(stopped)
+    assert "allowed_dark" not in repr(fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, objective="darkest", cap=False))
+
+
 def test_more_allowed_in_the_dark_lets_the_image_sink_further():
     gamut = device_gamut(DEVICE, "envelope", "luminance")
     means = []

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from feedback.synthetic import awkward, system
+from feedback.synthetic import awkward, palette, system
 from scipy import sparse
 
+from symrt.feedback import Scale, filling, fit, objectives
 from symrt.feedback.outermost import outermost
+from symrt.gamut import device_gamut, load_device
 
 
 def some_systems():
@@ -45,3 +47,16 @@ def test_few_are_left_of_a_smooth_picture_and_one_of_equal_pixels():
     assert len(outermost(matrix, np.arange(10000))) <= 200
     assert outermost(sparse.csr_array(np.ones((50, 3))), np.arange(7, 50)).tolist() == [7]
     assert not len(outermost(sparse.csr_array((4, 3)), np.arange(4)))
+
+
+@pytest.mark.parametrize("black", ["clip", "luminance"])
+@pytest.mark.parametrize("goal", ["lightest", "closest", "contrast"])
+def test_fits_are_the_same_with_every_pixel(monkeypatch, goal, black):
+    image, colours, scales = system(), palette(), [Scale("key"), Scale("brass"), Scale("ice")]
+    gamut = device_gamut(load_device("dye3-endura-premier"), "envelope", black)
+    few = fit(image, colours, gamut, scales, objective=goal, cap=False)
+    for module in (filling, objectives):
+        monkeypatch.setattr(module, "outermost", lambda coefficients, pixels, *, upper=True: pixels)  # noqa: ARG005
+    every = fit(image, colours, gamut, scales, objective=goal, cap=False)
+    assert few.values == pytest.approx(every.values, rel=1e-7 if goal == "contrast" else 1e-11)
+    assert few.reasons == every.reasons
