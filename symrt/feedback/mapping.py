@@ -125,7 +125,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     untouched = objects[~whole.touched[objects]]
     outside = untouched[~inside_at(whole.seen(task.asked.upper.matrix, untouched), task.asked.upper, 0.0)]
     most = int(allowed_out * len(objects) + 1e-9)
-    budget = max(0, most - len(outside) - len(first_limits(task)[1]))
+    budget = max(0, most - len(outside) - len(first_limits(task)[1])) if most else 0
     with tqdm(desc="fit", unit="step", delay=1, leave=False, disable=not progress) as bar:
         found, kept, acceptable = answered(
             replace(task, tick=bar.update),
