@@ -88,6 +88,8 @@ BAD_WORDS = [
     ["gamut", "--model", "unitt"],
     ["gamut", "--black", "nope"],
     ["gamut", "--model", "nope"],
+    ["fit", "first", *SMALL, "--palette", "plain", "-p", "exposure"],
+    ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:nothing"],
     ["gamut", "--model", "hull", "--black", "strict"],
     ["gamut", "crt-brainard", "--model", "hull"],
     ["gamut", "crt-brainard", "--black", "strict"],
@@ -508,6 +510,33 @@ def test_a_chart_on_other_bands_says_what_to_write_in_the_palette(run, tmp_path)
     code, out, err = run("feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--device", "chart.txt")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "write bands = [400, 700, 10] in the palette" in err
+
+
+@pytest.mark.filterwarnings("always:chart.txt")
+def test_a_chart_with_amounts_is_asked_for_its_inks_by_a_model_fitted_to_it(run, tmp_path):
+    device = rt.load_device("synthetic-cmyk")
+    amounts, prints = device.amounts[::9] * 100, device.samples[::9] * 100
+    fields = " ".join(f"SPECTRAL_NM{nm:.0f}" for nm in device.bands.centres)
+    rows = [
+        f"A{i} " + " ".join(f"{v:.6f}" for v in [*ink, *spectrum])
+        for i, (ink, spectrum) in enumerate(zip(amounts, prints, strict=True))
+    ]
+    head = f"CGATS.17\nNUMBER_OF_FIELDS 41\nBEGIN_DATA_FORMAT\nSAMPLE_ID CMYK_C CMYK_M CMYK_Y CMYK_K {fields}\n"
+    data = f"END_DATA_FORMAT\nNUMBER_OF_SETS {len(rows)}\nBEGIN_DATA\n" + "\n".join(rows) + "\nEND_DATA\n"
+    (tmp_path / "chart.txt").write_text(head + data)
+    code, out, err = run("gamut", "chart.txt", "--model", "inks", "--json")
+    assert code == 0
+    assert "inks of chart.txt" in json.loads(out)["gamut"]
+    assert err.startswith("symrt: warning: chart.txt: HalftoneFit(")
+    assert "n = 2.00" in err  # the synthetic printer's own exponent
+
+
+def test_the_exposure_is_a_parameter(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    record = json.loads(run("feasible", "first", *SMALL, "--palette", "plain", "-p", "exposure", "--json")[1])[0]
+    expected = rt.feasible(system, palette, gamut, rt.Exposure())
+    assert record["intervals"] == [list(interval) for interval in expected.intervals]
 
 
 def test_report_gives_the_librarys_verdicts_as_json(run):

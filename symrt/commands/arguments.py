@@ -4,6 +4,7 @@ Each function says in one line what is wrong with a word and what to write inste
 """
 
 import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -154,6 +155,10 @@ def _one_gamut(
         return rt.device_gamut(device.on(bands) if bands else device, (not several and model) or "monitor")
     if bands and device.bands != bands:
         raise ValueError(_other_bands(word, device.bands, bands))
+    if model == "inks" and device.printer is None and device.inks:
+        fitted = rt.fit_halftone(device)
+        warnings.warn(f"{word}: {fitted!r} stands for the printer", stacklevel=2)
+        device = fitted.device
     return rt.device_gamut(device, model or "envelope", black or "clip")
 
 
@@ -185,7 +190,7 @@ def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -
 def parameter_of(word: str) -> "Parameter":
     """A parameter from ``scale:brass``, ``scale:brass.specular``, ``scale:sun`` or ``blend:sea:ice``.
 
-    ``blend:sea:ice:kubelka-munk`` mixes the two as paints.
+    ``blend:sea:ice:kubelka-munk`` mixes the two as paints; ``exposure`` is the factor on all lights.
 
     Examples
     --------
@@ -193,13 +198,15 @@ def parameter_of(word: str) -> "Parameter":
     Scale(name='brass')
     """
     kind, *names = word.split(":")
+    if word == "exposure":
+        return rt.Exposure()
     if kind == "scale" and len(names) == 1 and names[0]:
         return rt.Scale(names[0])
     if kind == "blend" and len(names) in (2, 3) and all(names) and names[2:] in ([], ["linear"], ["kubelka-munk"]):
         return rt.Blend(*names)
     raise ValueError(
         f"--parameter {shown(word)}: write scale:NAME, such as scale:brass, or blend:FROM:TO, for paints "
-        "blend:FROM:TO:kubelka-munk"
+        "blend:FROM:TO:kubelka-munk, or exposure"
     )
 
 

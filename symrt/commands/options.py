@@ -74,7 +74,9 @@ Within = Annotated[
 ]
 Parameters = Annotated[
     list[str],
-    typer.Option("--parameter", "-p", help="scale:NAME, blend:FROM:TO or blend:FROM:TO:kubelka-munk; repeatable."),
+    typer.Option(
+        "--parameter", "-p", help="scale:NAME, blend:FROM:TO, blend:FROM:TO:kubelka-munk or exposure; repeatable."
+    ),
 ]
 Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]

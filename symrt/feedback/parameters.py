@@ -131,9 +131,11 @@ def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> 
     found = [s for s in symbols if parameter.name in (s, material_of(s))]
     if not found:
         known = sorted({*symbols, *(material_of(s) for s in symbols)})
+        near = did_you_mean([parameter.name], known)
+        there = "" if "did you mean" in near else f"; there are {', '.join(name for name in known if '.' not in name)}"
         raise ValueError(
-            f"nothing to scale is called {did_you_mean([parameter.name], known)}: name a light, a material, or one "
-            "component of it such as 'brass.specular'"
+            f"nothing to scale is called {near}: name a light, a material, or one component of it such as "
+            f"'brass.specular'{there}"
         )
     return tuple(found)
 
@@ -184,5 +186,7 @@ def _components(system: LinearSystem, palette: Palette, material: str) -> frozen
     found = frozenset(component_of(s) for s in symbols if s.partition(".")[0] == material)
     if not found:
         known = sorted({s.partition(".")[0] for s in symbols if ">" not in s})
-        raise ValueError(f"no material is called {did_you_mean([material], known)}: a blend joins two materials")
+        near = did_you_mean([material], known)
+        there = "" if "did you mean" in near else f"; there are {', '.join(known)}"
+        raise ValueError(f"no material is called {near}: a blend joins two materials{there}")
     return found

@@ -133,7 +133,9 @@ def pixels_of(system: LinearSystem, name: str) -> Mask:
     named = [_names(i.light, i.met) for i in system.interactions]
     known = sorted(set().union(*named))
     if name not in known:
-        raise ValueError(f"nothing in the picture is called {did_you_mean([name], known)}: name a material or a light")
+        near = did_you_mean([name], known)
+        there = "" if "did you mean" in near else f"; there are {', '.join(word for word in known if '.' not in word)}"
+        raise ValueError(f"nothing in the picture is called {near}: name a material or a light{there}")
     columns = np.array([name in names for names in named])
     entry = columns[system.G.indices] & (system.G.data != 0)
     pixel = np.repeat(np.arange(system.G.shape[0]), np.diff(system.G.indptr))[entry]
