@@ -8,7 +8,7 @@ import pytest
 from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
-from symrt import gamut
+import symrt as rt
 from symrt.devices.inks import load_device
 from symrt.feedback.along import along
 from symrt.feedback.intervals import intervals
@@ -206,7 +206,7 @@ def test_lower_bounds_hold_for_all_but_the_share_allowed_that_were_above_black(s
 @pytest.mark.parametrize("seed", [3, 4, 5])
 def test_bounds_of_several_bands_at_once_are_those_of_dense_shading(seed):
     image, colours = scene(seed)
-    monitor = gamut.device_gamut(gamut.load_device("crt-brainard").on(BANDS), "monitor")
+    monitor = rt.device_gamut(rt.load_device("crt-brainard").on(BANDS), "monitor")
     bound = limits(image, colours, monitor).upper
     line = line_of(image, colours, Blend("a", "b", KM))
     rows = np.flatnonzero(line.touched)
