@@ -18,7 +18,7 @@ from symrt.feedback.crossing import Image, Plane, image, line_at, spans_of, with
 from symrt.feedback.freedom import safe_box
 from symrt.feedback.limits import limits
 from symrt.feedback.pairs import JointRegion, given_value
-from symrt.feedback.parameters import Parameter, Scale, moved, moved_ends
+from symrt.feedback.parameters import Parameter, Scale, mixing_of, moved, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible
 from symrt.feedback.shares import pieces
@@ -60,7 +60,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     Parameters
     ----------
     one, other
-        Scales, blends or the exposure; the other moves what the one has moved already.
+        Scales, linear blends or the exposure; the other moves what the one has moved already.
     within
         The range of each, its usual one where None is given.
     steps
@@ -96,6 +96,9 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     start = time.perf_counter()
     if one == other:
         raise ValueError(f"the {one} is named twice: a region needs two parameters")
+    for parameter in (one, other):
+        if mixing_of(parameter) != "linear":
+            raise ValueError(f"the {parameter}: a region takes scales, linear blends and the exposure; ask feasible")
     if steps < 2:
         raise ValueError(f"steps = {steps}: a region needs two lines at least")
     check_share(allowed_out, "allowed_out")

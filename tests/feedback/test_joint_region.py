@@ -229,6 +229,8 @@ def test_what_cannot_be_asked_is_refused_in_a_sentence():
     ask = {"progress": False}
     with pytest.raises(ValueError, match="named twice"):
         joint_region(image, colours, gamut(), rt.Scale("ice"), rt.Scale("ice"), **ask)
+    with pytest.raises(ValueError, match="ask feasible"):
+        joint_region(image, colours, gamut(), rt.Blend("deep", "ice", "kubelka-munk"), rt.Scale("key"), **ask)
     with pytest.raises(ValueError, match="two lines"):
         joint_region(image, colours, gamut(), rt.Scale("ice"), rt.Scale("key"), steps=1, **ask)
     with pytest.raises(ValueError, match="room"):
