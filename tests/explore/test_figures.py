@@ -231,6 +231,27 @@ def test_the_map_marks_the_pixels_whose_reflectance_the_gamut_does_not_contain(g
     assert not (bright & dark).any()
 
 
+@pytest.mark.parametrize("model", ["hull", "colorimetric", "monitor"])
+def test_ranges_against_any_gamut_show_the_reflectance_that_stops_them(system, model):
+    palette, dim = plain(), rt.Reference(exposure=0.7)
+    asked = rt.device_gamut(rt.load_device("crt-brainard" if model == "monitor" else "dye3-endura-premier"), model)
+    found = [
+        rt.feasible(
+            system, palette, asked, rt.Scale("sun"), reference=dim, cap=False, allowed_out=share, progress=False
+        )
+        for share in (0.0, 0.1, 0.3, 0.6)
+    ]
+    text = " ".join(t for t, _ in texts(plots.ranges_figure(found, system, palette, asked, dim))).replace("\n", " ")
+    assert asked.name in text
+    stopped = [one for one in found if one.intervals and one.reasons[-1][1].x is not None]
+    assert stopped
+    for one in stopped:
+        reason, colours = one.reasons[-1][1], moved(system, palette, one.parameter, one.high)
+        spectrum = _binding(one, limits(system, palette, asked, dim), system, palette, dim)
+        image = rt.shade(system, colours).values[reason.y, reason.x]
+        np.testing.assert_allclose(spectrum, 0.7 * image / rt.Reference().white(system, palette), rtol=1e-12)
+
+
 @pytest.mark.parametrize("model", ["hull", "inks", "colorimetric", "monitor"])
 def test_the_map_of_any_gamut_marks_the_pixels_that_it_does_not_contain(system, model):
     palette = plain()

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from symrt.feedback.lines import line_of
 from symrt.feedback.reasons import Feasible
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.recipes import InkGamut
-from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import preview
@@ -43,7 +43,7 @@ def ranges_figure(
     ranges: Sequence[Feasible],
     system: LinearSystem,
     palette: Palette,
-    gamut: Gamut,
+    gamut: ConvexGamut | InkGamut,
     reference: Reference | None = None,
 ) -> Drawing:
     """Feasible ranges as bars, and beside each the spectrum of the pixel that stops it, against the gamut's bound."""
@@ -57,10 +57,11 @@ def ranges_figure(
     for row, found in enumerate(ranges):
         top = foot + body * (1 - row / len(ranges))
         axes = figure.add_axes((0.56, top - 0.9 * body / len(ranges), 0.13, 0.8 * body / len(ranges)))
-        _draw_reason(figure, axes, found, _binding(found, asked, system, palette), asked)
+        _draw_reason(figure, axes, found, _binding(found, asked, system, palette, reference), asked)
+    bounds = ", in the gamut's bounds (shaded)" if _band_by_band(asked).any() else ""
     text = (
         "Bars: values that keep the picture inside (pale: that keep the rest of it inside). Curves: reflectance of the "
-        f"pixel that stops the range at its upper end, in the gamut's bounds (shaded). {asked.note}."
+        f"pixel that stops the range at its upper end{bounds}. {asked.note}."
     )
     caption(figure, wrapped(text, 175))
     return figure
@@ -89,14 +90,24 @@ def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
     axes.set_xlabel("value of the parameter (dashed: 1)", fontsize=9)
 
 
-def _binding(found: Feasible, asked: Limits, system: LinearSystem, palette: Palette) -> Spectrum | None:
-    """Reflectance of the pixel that stops the range above, in the bands that the reference lights, if one does."""
+def _binding(
+    found: Feasible, asked: Limits, system: LinearSystem, palette: Palette, reference: Reference | None = None
+) -> Spectrum | None:
+    """Reflectance of the pixel that stops the range above, if one does; 0 where the reference does not light it."""
     reason = found.reasons[-1][1] if found.reasons else None
     if reason is None or reason.x is None or reason.y is None:
         return None
+    seen = reference or Reference()
+    white = seen.white(system, palette)
+    shown = np.divide(seen.exposure, white, out=np.zeros(len(white)), where=~asked.masked)
     pixel = np.array([reason.y * found.width + reason.x])
-    line = line_of(system, palette, found.parameter).seen(asked.upper.matrix, pixel)
+    line = line_of(system, palette, found.parameter).seen(np.diag(shown), pixel)
     return line.at(found.intervals[-1][1])[0]
+
+
+def _band_by_band(asked: Limits) -> Bool[np.ndarray, " slab"]:
+    """The slabs that bound a single band from above: a hull has none, nor has a solid of colours."""
+    return (asked.upper.bands >= 0) & np.isfinite(asked.upper.upper)
 
 
 def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum | None, asked: Limits) -> None:
@@ -104,6 +115,8 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
     box = axes.get_position()
     reason = found.reasons[-1][1] if found.reasons else None
     left_out = len(found.untouched_outside) + len(found.unfixable)
+    if reason is not None and reason.of in {asked.gamut.name, *(solid.gamut.name for solid in asked.solids)}:
+        reason = replace(reason, of="the gamut")
     words = wrapped("no value keeps it inside" if reason is None else str(reason), 56)
     more = found.verdict + (f", {left_out} of {found.objects} pixels left out" if left_out else "")
     text: dict[str, Any] = {
@@ -117,13 +130,14 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
     axes.set_axis_off()
     if spectrum is None or reason is None:
         return
-    x = np.array(asked.bands.centres)[asked.upper.bands]
-    axes.fill_between(x, asked.upper.upper, color="#e9edf2", lw=0)
-    axes.plot(x, spectrum, color=INK, lw=1.1)
+    x, single = np.array(asked.bands.centres), _band_by_band(asked)
+    bounded, most = asked.upper.bands[single], asked.upper.upper[single]
+    axes.fill_between(x[bounded], most, color="#e9edf2", lw=0)
+    axes.plot(x[~asked.masked], spectrum[~asked.masked], color=INK, lw=1.1)
     if reason.band is not None:
-        k = int(np.flatnonzero(asked.upper.bands == asked.bands.labels.index(reason.band))[0])
+        k = asked.bands.labels.index(reason.band)
         axes.plot(x[k], spectrum[k], marker="o", ms=4, color=ABOVE)
-    axes.set(xlim=(x[0] - 6, x[-1] + 6), ylim=(0, 1.08 * max(asked.upper.upper.max(), spectrum.max())))
+    axes.set(xlim=(x[0] - 6, x[-1] + 6), ylim=(0, 1.08 * max(most.max(initial=0.0), spectrum.max())))
 
 
 def out_of_gamut_map(
