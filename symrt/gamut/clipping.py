@@ -37,6 +37,7 @@ STEPS = 2.0**-1072
 Lines = Float[np.ndarray, "pixel slab"]
 Bounds = Float[np.ndarray, " slab"]
 Ends = Float[np.ndarray, " pixel"]
+Pixels = Int[np.ndarray, " pixel"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,13 @@ class _Scratch(NamedTuple):
     far: Lines
 
 
-def clip_slabs(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> Interval:
+def clip_slabs(
+    lower: Bounds,
+    upper: Bounds,
+    origin: Lines,
+    direction: Lines,
+    moving: Bool[np.ndarray, " pixel"] | None = None,
+) -> Interval:
     """Clip the line ``origin + t direction`` of every pixel to the slabs ``lower <= r <= upper``.
 
     Parameters
@@ -81,6 +88,9 @@ def clip_slabs(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) ->
         Bounds of each slab; infinite where it is open.
     origin, direction
         Of each pixel's line, finite, one column a slab.
+    moving
+        Pixels whose direction is not zero in every slab, where that is known, as from the sparsity of G: the others
+        need no quotient.  None: any may move.
 
     Raises
     ------
@@ -105,15 +115,25 @@ def clip_slabs(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) ->
     ordinary = _ordinary(lower) and _ordinary(upper)
     with np.errstate(all="ignore"):
         for start in range(0, pixels, size):
-            rows = slice(start, min(start + size, pixels))
+            rows: slice | Pixels = slice(start, min(start + size, pixels))
             q, d = origin[rows], direction[rows]
-            careful = _quotients(lower, upper, q, d, _Scratch(*(s[: len(q)] for s in scratch)), low[rows], high[rows])
+            if moving is not None:
+                some = np.flatnonzero(moving[rows])
+                low[rows], high[rows] = _resting(lower, upper, q, start)
+                rows, q, d = start + some, q[some], d[some]
+                if not len(q):
+                    continue
+            room = _Scratch(*(s[: len(q)] for s in scratch))
+            ends = np.empty(len(q)), np.empty(len(q))
+            careful = _quotients(lower, upper, q, d, room, *ends)
             again = np.flatnonzero(careful) if ordinary else np.arange(len(q))
             if again.size:
-                _check_finite(q[again], d[again], again + start)
+                numbers = np.arange(pixels)[rows][again]
+                _check_finite(q[again], d[again], numbers)
                 near, far, doubt = _scaled_quotients(lower, upper, q[again], d[again])
-                low[rows][again], high[rows][again] = near.max(axis=1), far.min(axis=1)
-                doubtful[rows][again] = doubt.any(axis=1)
+                ends[0][again], ends[1][again] = near.max(axis=1), far.min(axis=1)
+                doubtful[numbers] = doubt.any(axis=1)
+            low[rows], high[rows] = ends
         return _certified(lower, upper, origin, direction, (low, high), doubtful)
 
 
@@ -129,6 +149,17 @@ def blocking(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> I
     with np.errstate(all="ignore"):
         near, far, _ = _scaled_quotients(lower, upper, origin, direction)
     return np.array([near.argmax(axis=1), far.argmin(axis=1)])
+
+
+def _resting(lower: Bounds, upper: Bounds, q: Lines, start: int) -> tuple[Ends, Ends]:
+    """All of the line, or none, for pixels that do not move: they need no quotient."""
+    met = (lower <= q) & (q <= upper)
+    if met.all():
+        return np.full(len(q), -np.inf), np.full(len(q), np.inf)
+    inside = met.all(axis=1)
+    outside = np.flatnonzero(~inside)
+    _check_finite(q[outside], np.zeros_like(q[outside]), start + outside)
+    return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
 
 
 def _quotients(

@@ -272,3 +272,17 @@ def test_lines_clipped_by_weighed_bands_end_inside_in_exact_arithmetic(model):
                 assert b == np.inf or value <= Fraction(float(b))
             ends += 1
     assert ends >= 40
+
+
+def test_pixels_known_to_rest_are_inside_or_not_as_if_it_were_not_known():
+    draw = np.random.default_rng(2)
+    origin, direction = draw.uniform(-0.1, 1.1, (3000, 3)), draw.normal(size=(3000, 3))
+    moving = draw.uniform(size=3000) < 0.5
+    direction[~moving] = 0
+    lines = (np.zeros(3), np.ones(3), origin, direction)
+    known, unknown = clip_slabs(*lines, moving), clip_slabs(*lines)
+    np.testing.assert_array_equal(known.low, unknown.low)
+    np.testing.assert_array_equal(known.high, unknown.high)
+    origin[np.flatnonzero(~moving)[7], 1] = np.nan
+    with pytest.raises(ValueError, match=f"pixel {np.flatnonzero(~moving)[7]}, slab 1"):
+        clip_slabs(*lines, moving)
