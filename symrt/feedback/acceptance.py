@@ -114,7 +114,7 @@ def _kept(task: Task, found: Filled) -> float:
 
 
 def _seen(task: Task, found: Filled) -> Int[np.ndarray, " pixel"]:
-    return np.setdiff1d(np.flatnonzero(task.system.object_pixels), found.unfixable)
+    return np.setdiff1d(np.flatnonzero(task.system.object_pixels), found.unfixable, assume_unique=True)
 
 
 def _mean(task: Task, palette: Palette, pixels: Int[np.ndarray, " pixel"], most: float = np.inf) -> float:

@@ -88,7 +88,13 @@ class Along:
         weights = (
             t**k if self.form == "power" else np.array([comb(degree, j) for j in k]) * (1 - t) ** (degree - k) * t**k
         )
-        return np.tensordot(weights, self.coefficients(rows), axes=1)
+        # Parts that share a matrix are weighted before the product with it.
+        mixed: dict[int, Gamma] = {}
+        for weight, (part, spectra) in zip(weights.tolist(), self.parts, strict=True):
+            mixed[id(part)] = mixed[id(part)] + weight * spectra if id(part) in mixed else weight * spectra
+        taken = self._rows(rows)
+        products = [taken[key] @ spectra for key, spectra in mixed.items()]
+        return np.sum(products, axis=0) if len(products) > 1 else products[0]
 
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Int[np.ndarray, " row"]) -> "Along":
         """Some of the pixels, each spectrum times a matrix."""

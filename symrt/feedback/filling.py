@@ -149,7 +149,7 @@ def first_limits(task: Task, *, every: bool = False) -> tuple[Pixels, Pixels, fl
 
 def _first_limits(task: Task, *, every: bool) -> tuple[Pixels, Pixels]:
     line, bound, (low, high) = task.line({}, frozenset(task.symbols)), task.asked.upper, task.within
-    touched = np.setdiff1d(np.flatnonzero(line.touched), task.left_out)
+    touched = np.setdiff1d(np.flatnonzero(line.touched), task.left_out, assume_unique=True)
     rows = touched if every else outermost(task.system.G, touched)
     inside = _inside(line, bound, rows, low)
     if not every and not inside.all():

@@ -210,7 +210,7 @@ def _answer(
     outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
     excluded = np.concatenate([outside, found.unfixable])
     light, dark = (along_ends(task.system, task.painted(corner), {}) for corner in (top, bottom))
-    certify(light, whole, bound, np.setdiff1d(objects, excluded))
+    certify(light, whole, bound, np.setdiff1d(objects, excluded, assume_unique=True))
     if task.asked.dark is not None:
         certify(dark, whole, task.asked.dark, counted)
     return SafeBox(

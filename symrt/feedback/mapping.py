@@ -137,7 +137,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         )
     fitted = task.painted(found.values)
     final = along_ends(system, fitted, {})
-    left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside))
+    left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside, assume_unique=True))
     out = len(outside) + len(found.unfixable) + len(left_out)
     return Fit(
         palette=fitted,
@@ -177,7 +177,7 @@ def _certified(final: Along, whole: Along, task: Task, found: Filled, objects: P
     bound, spared = task.asked.upper, np.setdiff1d(found.left_out, found.unfixable)
     inside = certified(final.seen(bound.matrix, spared), whole.seen(bound.matrix, spared), bound)
     left_out = spared[~inside]
-    certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([found.unfixable, left_out])))
+    certify(final, whole, bound, np.setdiff1d(objects, np.concatenate([found.unfixable, left_out]), assume_unique=True))
     if task.asked.dark is not None and found.lit is not None:
         certify(final, whole, task.asked.dark, found.lit)
     return left_out
