@@ -60,7 +60,7 @@ _NAMES = {
         "wavelengths",
     ],
     # 4: basis and gamut
-    "symrt.devices": ["Device", "devices", "fit_halftone", "load_device"],
+    "symrt.device": ["Device", "devices", "fit_halftone", "load_device"],
     "symrt.gamut": ["Basis", "Gamut", "basis_report", "device_gamut", "intersection", "load_gamut", "save_gamut"],
     # 5: feedback
     "symrt.feedback": [

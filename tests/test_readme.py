@@ -20,7 +20,9 @@ def made(tmp_path_factory):
     scene, given = rt.load_scene(SCENES / "globe.toml"), palettes("globe")
     system = rt.render(scene, progress=False)
     gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), model="envelope")
-    fit = rt.fit(system, given["macbeth"], gamut, [rt.Scale(m.name) for m in scene.materials], cap=False)
+    fit = rt.fit(
+        system, given["macbeth"], gamut, [rt.Scale(m.name) for m in scene.materials], objective="lightest", cap=False
+    )
     folder = tmp_path_factory.mktemp("pictures")
     for name, palette in (given | {"lightest": fit.palette}).items():
         rt.save_image(folder / f"globe-{name}.png", rt.shade(system, palette))

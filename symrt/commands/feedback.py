@@ -80,7 +80,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     source: option.Source,
     parameter: option.Parameters,
-    objective: option.Objective = "lightest",
+    objective: option.Objective = "lexicographic",
     least_luminance: option.LeastLuminance = 0.5,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
     palette: option.PaletteName = None,
@@ -98,7 +98,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 ) -> None:
     """The lightest, darkest, closest … picture it can print, whatever the order of the scales.
 
-    Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out lightest.png
+    Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
     from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
 

@@ -99,7 +99,7 @@ def scale_segments(
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> grey = Palette(gamut.bands, {"grey.diffuse": 0.5})
@@ -123,7 +123,7 @@ def blend_segments(
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> greys = Palette(gamut.bands, {"dark.diffuse": 0.1, "light.diffuse": 0.5})

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from tqdm.auto import tqdm
 
-from symrt.devices import load_device
+from symrt.device import load_device
 from symrt.feedback import Blend, Feasible, Fit, Scale, feasible, fit
 from symrt.gamut import Gamut, device_gamut
 from symrt.linear import Formula, formula, render

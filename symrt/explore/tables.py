@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from symrt.devices.device import Device
-from symrt.feedback.adapted import Adapted
-from symrt.feedback.boxes import SafeBox
-from symrt.feedback.pairs import JointRegion
+from symrt.device.printing import Device
+from symrt.feedback.joint.adapted import Adapted
+from symrt.feedback.joint.boxes import SafeBox
+from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
@@ -40,7 +40,7 @@ def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> facts = gamut_facts(device_gamut(load_device("dye3-endura-premier"), "envelope"))
     >>> facts["bands"], facts["largest c0"], facts["modelled"]

@@ -26,7 +26,7 @@ def draw(path: Path, figure: str, *arguments: Any) -> None:
     Examples
     --------
     >>> import tempfile
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     draw(Path(folder) / "gamut.png", "solids_figure", device_gamut(load_device("dye3-endura-premier")))

@@ -1,12 +1,12 @@
 """Step 5: what the gamut says about the parameters."""
 
-from symrt.feedback.adapted import Adapted, Criteria, Step
-from symrt.feedback.adapting import adapt
-from symrt.feedback.boxes import SafeBox
-from symrt.feedback.freedom import safe_box
-from symrt.feedback.joint_region import joint_region
-from symrt.feedback.mapping import fit
-from symrt.feedback.pairs import JointRegion
+from symrt.feedback.joint.adapted import Adapted, Criteria, Step
+from symrt.feedback.joint.adapting import adapt
+from symrt.feedback.joint.boxes import SafeBox
+from symrt.feedback.joint.fits import fit
+from symrt.feedback.joint.freedom import safe_box
+from symrt.feedback.joint.joint_region import joint_region
+from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.pixelwise import Mapped, map_pixels
 from symrt.feedback.ranges import feasible

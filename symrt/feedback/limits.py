@@ -95,7 +95,7 @@ def limits(
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> device = load_device("dye3-endura-premier")
     >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
@@ -170,7 +170,7 @@ def white_in_every_band(
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
     >>> palette = Palette(load_device("dye3-endura-premier").bands, {"sun": 8})
     >>> white_in_every_band(system, palette, Reference(exposure=0.5), [])[0].item()

@@ -92,7 +92,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     --------
     >>> from scipy import sparse
     >>> from symrt.feedback.parameters import Scale
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")

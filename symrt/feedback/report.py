@@ -146,7 +146,7 @@ def report(
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")

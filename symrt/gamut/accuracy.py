@@ -17,8 +17,8 @@ from html import escape
 import numpy as np
 from jaxtyping import Float
 
-from symrt.devices.colorimetry import colour_difference, lab, tristimulus
-from symrt.devices.device import Device
+from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.printing import Device
 from symrt.gamut.basis import Samples, uniform_first
 from symrt.spectra.bands import Number
 
@@ -123,7 +123,7 @@ def basis_report(device: Device, light: str = "illuminant/D50") -> BasisReport:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> report = basis_report(load_device("dye3-endura-premier"))
     >>> report.rms[:2].round(3), report.largest[:2].round(1)
     (array([0.166, 0.097]), array([41.9, 44.2]))

@@ -53,7 +53,7 @@ def deep_inside(parts: Sequence[ConvexGamut]) -> tuple[Spectrum, float]:
     Examples
     --------
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device = load_device("dye3-endura-premier")
     >>> deep_inside([device_gamut(device, "unit"), device_gamut(device, "envelope")])[1]
     0.45
@@ -80,7 +80,7 @@ def nearest_to_all(parts: Sequence[ConvexGamut], inner: Spectrum, spectra: Pixel
     Examples
     --------
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> parts = [device_gamut(load_device("dye3-endura-premier"), model) for model in ("unit", "envelope")]
     >>> nearest_to_all(parts, np.full(36, 0.5), np.full((1, 36), 0.95))[0, :3]
     array([0.9, 0.9, 0.9])

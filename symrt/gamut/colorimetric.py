@@ -16,8 +16,8 @@ from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull, QhullError
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.devices.colorimetry import lab, tristimulus
-from symrt.devices.device import Device
+from symrt.device.colorimetry import lab, tristimulus
+from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.gamut.mixtures import nearest_mixtures
@@ -48,7 +48,7 @@ class ColorimetricGamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> gamut = colorimetric_gamut(load_device("dye3-endura-premier"))
     >>> gamut.contains(np.array([[0.5] * 36, [0.95] * 36]))
     array([ True, False])
@@ -165,7 +165,7 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> Colorim
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> colorimetric_gamut(load_device("dye3-endura-premier"), "illuminant/A").label
     'necessary for a colour match under illuminant/A'
     """

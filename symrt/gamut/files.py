@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from symrt.archives import Kind, read_archive, whole, write_archive
-from symrt.devices.device import Device
-from symrt.devices.monitors import Monitor
+from symrt.device.monitors import Monitor
+from symrt.device.printing import Device
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import AnyIntersection, UnevenGamut, intersection
@@ -53,7 +53,7 @@ def save_gamut(path: str | Path, gamut: SavedGamut) -> None:
     --------
     >>> import tempfile
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_gamut(Path(folder) / "endura.npz", device_gamut(load_device("dye3-endura-premier"), "envelope"))
     ...     load_gamut(Path(folder) / "endura.npz").name

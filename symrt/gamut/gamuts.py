@@ -2,8 +2,8 @@
 
 from typing import Literal, overload
 
-from symrt.devices.device import Device
-from symrt.devices.monitors import Monitor
+from symrt.device.monitors import Monitor
+from symrt.device.printing import Device
 from symrt.errors import shown
 from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
 from symrt.gamut.hull import TOLERANCE, HullGamut, hull_gamut
@@ -65,7 +65,7 @@ def device_gamut(
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device_gamut(load_device("dye3-endura-premier"), "colorimetric").label
     'necessary for a colour match under illuminant/D50'
     """

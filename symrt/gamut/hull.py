@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.devices.device import Device
+from symrt.device.printing import Device
 from symrt.gamut.basis import Basis, uniform_first
 from symrt.gamut.clipping import Interval
 from symrt.gamut.mixtures import EXACT, nearest_mixtures
@@ -44,7 +44,7 @@ class HullGamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> gamut = hull_gamut(load_device("dye3-endura-premier"))
     >>> gamut.contains(np.array([[0.9] * 36, [0.95] * 36]))
     array([ True, False])
@@ -143,7 +143,7 @@ class HullGamut:
 
         Examples
         --------
-        >>> from symrt.devices.inks import load_device
+        >>> from symrt.device.inks import load_device
         >>> hull = hull_gamut(load_device("dye3-endura-premier"))
         >>> hull.reach(np.full((1, 36), 0.5), np.full((1, 36), 1.0)).round(3)
         array([0.41])
@@ -234,7 +234,7 @@ def hull_gamut(device: Device, tolerance: Number = TOLERANCE) -> HullGamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> gamut = hull_gamut(load_device("dye3-endura-premier"), tolerance=0.0)
     >>> gamut.tolerance == gamut.gap, 0.001 < gamut.gap < 0.01
     (True, True)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.devices.device import Device
+from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval, clip_slabs
 from symrt.spectra.bands import Bands
 
@@ -159,7 +159,7 @@ def clip(gamut: ConvexGamut, origin: PixelBands, direction: PixelBands) -> Inter
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)

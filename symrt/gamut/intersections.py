@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.devices.device import Device
+from symrt.device.printing import Device
 from symrt.gamut.alternating import THIN, deep_inside, nearest_to_all
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs
@@ -91,7 +91,7 @@ class Intersection(_Parts):
     Examples
     --------
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device = load_device("dye3-endura-premier")
     >>> both = intersection([device_gamut(device, "hull"), device_gamut(device, "envelope", "strict")])
     >>> both.contains(np.array([[0.9] * 36, [0.95] * 36]))
@@ -140,7 +140,7 @@ class SlabIntersection(_Parts):
     What a dye printer and a halftone printer may both print:
 
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> both = intersection(
     ...     [device_gamut(load_device(n), "envelope") for n in ("dye3-portra-endura", "synthetic-cmyk")]
     ... )
@@ -194,7 +194,7 @@ class InkIntersection(_Parts):
     Examples
     --------
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device = load_device("dye3-endura-premier")
     >>> both = intersection([device_gamut(device, "inks"), device_gamut(load_device("crt-brainard"), "monitor")])
     >>> both.label.partition(" (")[0]
@@ -270,7 +270,7 @@ def intersection(
     Colours that a printer matches by daylight and by lamplight:
 
     >>> from symrt.gamut.gamuts import device_gamut
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device = load_device("dye3-endura-premier")
     >>> both = intersection([device_gamut(device, "colorimetric", light=f"illuminant/{name}") for name in ("D50", "A")])
     >>> both.label.partition(" (")[0]

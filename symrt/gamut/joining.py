@@ -52,7 +52,7 @@ def named(part: SlabGamut) -> Slabs:
 
     Examples
     --------
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> from symrt.gamut.monitor import monitor_gamut
     >>> named(monitor_gamut(load_monitor("crt-brainard"))).words[0]
     "the monitor's red of the gamut of the monitor crt-brainard"
@@ -67,7 +67,7 @@ def boxed(slabs: Slabs) -> bool:
 
     Examples
     --------
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> from symrt.gamut.monitor import monitor_gamut
     >>> no = np.zeros(2, dtype=bool)
     >>> box = Slabs(np.eye(2), np.zeros(2), np.ones(2), np.arange(2), ("500 nm", "600 nm"), no, no)
@@ -87,7 +87,7 @@ def clipped_by_all(parts: Sequence[ConvexGamut], origin: PixelBands, direction: 
 
     Examples
     --------
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> from symrt.gamut.monitor import monitor_gamut
     >>> srgb = monitor_gamut(load_monitor("srgb"))
     >>> clipped_by_all([srgb, srgb], np.zeros((1, 3)), np.full((1, 3), 0.5)).high.round(9)

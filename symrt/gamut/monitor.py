@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.devices.colorimetry import tristimulus
-from symrt.devices.device import Device
-from symrt.devices.monitors import EQUAL_ENERGY, Monitor
+from symrt.device.colorimetry import tristimulus
+from symrt.device.monitors import EQUAL_ENERGY, Monitor
+from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.spectra.bands import Bands
@@ -39,7 +39,7 @@ class MonitorGamut:
 
     Examples
     --------
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> gamut = monitor_gamut(load_monitor("srgb"))
     >>> gamut.contains(np.array([[1.0, 0.5, 0.0], [1.01, 0.5, 0.0]]))
     array([ True, False])
@@ -128,7 +128,7 @@ def monitor_gamut(monitor: Monitor) -> MonitorGamut:
     --------
     A white diffuser, lit by equal energy, needs more red than the tube's bluish white has:
 
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> gamut = monitor_gamut(load_monitor("crt-brainard"))
     >>> gamut.driven(np.ones((1, 36))).round(2)
     array([[1.42, 0.9 , 0.76]])

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import PerPixel, PixelBands
-from symrt.devices.device import Device, Printer
+from symrt.device.printing import Device, Printer
 from symrt.gamut.hull import TOLERANCE
 from symrt.gamut.looking import looked_for
 from symrt.spectra.bands import Bands, Number
@@ -50,7 +50,7 @@ class InkGamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> gamut = ink_gamut(load_device("dye3-endura-premier"))
     >>> gamut.contains(np.array([[0.9] * 36, [0.95] * 36]))
     array([ True, False])
@@ -131,7 +131,7 @@ def ink_gamut(device: Device, tolerance: Number = TOLERANCE) -> InkGamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> ink_gamut(load_device("synthetic-cmyk")).label
     "sufficient, within the fit of the printer's model"
     """
@@ -147,7 +147,7 @@ def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> recipes(load_device("dye3-endura-premier"), np.full((1, 36), 0.9))[0].round(6)
     array([[0., 0., 0.]])
     """

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from symrt.devices.device import Device
-from symrt.devices.dyes import Dyes
-from symrt.devices.halftone import Halftone
-from symrt.devices.monitors import Monitor
+from symrt.device.dyes import Dyes
+from symrt.device.halftone import Halftone
+from symrt.device.monitors import Monitor
+from symrt.device.printing import Device
 from symrt.errors import shown
 from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.gamuts import AnyGamut
@@ -130,7 +130,7 @@ def record_of_device(device: Device | Monitor, prefix: str, arrays: Arrays) -> H
 
     Examples
     --------
-    >>> from symrt.devices.monitors import load_monitor
+    >>> from symrt.device.monitors import load_monitor
     >>> arrays: Arrays = {}
     >>> record = record_of_device(load_monitor("srgb"), "device0_", arrays)
     >>> record["kind"], record["bands"]["kind"], list(arrays)

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
-from symrt.devices.device import Device
+from symrt.device.printing import Device
 from symrt.gamut.basis import Basis, uniform_first
 from symrt.gamut.clipping import INWARD, Interval, clip_slabs
 from symrt.gamut.interface import Slabs
@@ -50,7 +50,7 @@ class Gamut:
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> gamut.contains(np.full((2, 36), [[0.5], [0.95]]))
     array([ True, False])
@@ -211,7 +211,7 @@ def device_gamut(device: Device, model: Model | str = "unit", black: Black | str
 
     Examples
     --------
-    >>> from symrt.devices.inks import load_device
+    >>> from symrt.device.inks import load_device
     >>> device_gamut(load_device("dye3-endura-premier"), "envelope", black="strict")
     Gamut(envelope of dye3-endura-premier, black kept in every band (modelled); inside is necessary for a
     print, not sufficient)

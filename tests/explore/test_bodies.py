@@ -10,7 +10,7 @@ from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.text import Text
 
 import symrt as rt
-from symrt.devices.colorimetry import tristimulus
+from symrt.device.colorimetry import tristimulus
 from symrt.explore import plots
 from symrt.spectra.display import display_matrix, encode
 

@@ -7,7 +7,7 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 from scipy.interpolate import CubicSpline
 
-from symrt.devices import load_device
+from symrt.device import load_device
 from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
 from symrt.gamut import device_gamut

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
 
-from symrt.devices import load_device
+from symrt.device import load_device
 from symrt.feedback import Blend, Exposure, Scale, feasible
 from symrt.feedback.along import along
 from symrt.feedback.asking import spans_inside_all

@@ -9,7 +9,7 @@ import pytest
 from feedback.synthetic import BANDS
 from scipy import sparse
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut.slabs import device_gamut

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize
 
-from symrt.feedback.convex import Constraints, Planes, distance, minimise
-from symrt.feedback.posynomials import Posynomials, stacked
+from symrt.feedback.joint.convex import Constraints, Planes, distance, minimise
+from symrt.feedback.joint.posynomials import Posynomials, stacked
 
 
 def programme(seed, scales=5, rows=60):

@@ -9,7 +9,7 @@ import pytest
 from feedback.synthetic import BANDS, MATTE, awkward, palette, system
 from scipy import sparse
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback import Scale, feasible, safe_box
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights

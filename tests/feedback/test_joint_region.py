@@ -9,7 +9,7 @@ from feedback.synthetic import BANDS, awkward, palette, system
 
 import symrt as rt
 from symrt.feedback.caps import above_one
-from symrt.feedback.joint_region import joint_region
+from symrt.feedback.joint.joint_region import joint_region
 from symrt.feedback.parameters import moved
 from symrt.spectra.display import luminance_weights
 

@@ -1,6 +1,7 @@
 """A share of the pixels left outside: within the budget, never worse than none, exact where that can be known."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -9,8 +10,9 @@ from feedback.synthetic import BANDS, MATTE, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
-from symrt.feedback import Scale, feasible, fit
+from symrt.device.inks import load_device
+from symrt.feedback import Scale, feasible
+from symrt.feedback.joint import fits
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
@@ -25,6 +27,7 @@ MATERIALS = [Scale(name) for name in (*MATTE, "brass")]
 FEW = [Scale("key"), Scale("fill"), Scale("brass"), Scale("ice")]
 GOALS = ["lightest", "closest", "lexicographic", "brightest", "contrast"]
 OBJECTS = np.flatnonzero(MIRRORED.object_pixels)
+fit = partial(fits.fit, objective="lightest")
 
 
 def reflected(image, values, colours=COLOURS):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import permutations
 
 import numpy as np
@@ -10,8 +11,8 @@ from feedback.synthetic import BANDS, MATTE, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
-from symrt.feedback.mapping import fit
+from symrt.device.inks import load_device
+from symrt.feedback.joint import fits
 from symrt.feedback.parameters import Scale
 from symrt.feedback.ranges import feasible
 from symrt.gamut.slabs import device_gamut
@@ -25,6 +26,7 @@ DEVICE = load_device("dye3-endura-premier")
 UNIT, ENVELOPE = device_gamut(DEVICE, "unit"), device_gamut(DEVICE, "envelope")
 MIRRORED, COLOURS = system(), palette()
 MATERIALS = [Scale(name) for name in (*MATTE, "brass")]
+fit = partial(fits.fit, objective="lightest")
 
 
 def reflected(image, colours, white=None):

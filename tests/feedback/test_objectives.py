@@ -9,7 +9,7 @@ from feedback.synthetic import BANDS, MATTE, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog, minimize
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback import Exposure, Scale, feasible, fit
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights

@@ -5,9 +5,10 @@ import pytest
 from feedback.synthetic import awkward, palette, system
 from scipy import sparse
 
-from symrt.devices import load_device
-from symrt.feedback import Scale, filling, fit, objectives
-from symrt.feedback.outermost import outermost
+from symrt.device import load_device
+from symrt.feedback import Scale, fit
+from symrt.feedback.joint import filling, objectives
+from symrt.feedback.joint.outermost import outermost
 from symrt.gamut import device_gamut
 
 

@@ -9,7 +9,7 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
 import symrt as rt
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback.along import along
 from symrt.feedback.intervals import intervals
 from symrt.feedback.limits import limits

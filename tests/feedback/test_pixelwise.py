@@ -7,7 +7,7 @@ from scenes_for_tests import palettes, small
 from scipy import sparse
 
 import symrt as rt
-from symrt.devices import load_device
+from symrt.device import load_device
 from symrt.feedback import map_pixels
 from symrt.gamut import device_gamut
 

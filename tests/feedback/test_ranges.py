@@ -10,7 +10,7 @@ from feedback.synthetic import BANDS, awkward, palette, system
 from scipy import sparse
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback import intervals
 from symrt.feedback.along import along
 from symrt.feedback.limits import rising_limits
@@ -349,5 +349,5 @@ def test_interactions_have_the_products_that_shading_gives_them():
 @pytest.mark.parametrize("model", ["hull", "inks", "colorimetric", "monitor"])
 def test_what_needs_rising_bounds_refuses_other_gamuts_with_a_remedy(model):
     gamut = device_gamut(load_device("crt-brainard" if model == "monitor" else "dye3-endura-premier"), model)
-    with pytest.raises(ValueError, match="use adapt, which fits them to the device.s envelope"):
+    with pytest.raises(ValueError, match="use adapt, which fits them to the device's envelope"):
         rising_limits(IMAGE, COLOURS, gamut)

@@ -5,7 +5,7 @@ import pytest
 from scenes_for_tests import palettes, small
 
 import symrt as rt
-from symrt.devices import load_device, load_monitor
+from symrt.device import load_device, load_monitor
 from symrt.feedback import report
 from symrt.gamut import device_gamut, monitor_gamut
 

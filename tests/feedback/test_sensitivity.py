@@ -5,7 +5,7 @@ import pytest
 from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.explore.tables import feasible_record
 from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
 from symrt.feedback.ranges import feasible

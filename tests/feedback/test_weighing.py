@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.feedback.regions import split

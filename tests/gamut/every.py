@@ -1,6 +1,6 @@
 """Gamuts of every model, and intersections of some, on few bands, for tests that ask all of them alike."""
 
-from symrt.devices import load_device
+from symrt.device import load_device
 from symrt.gamut import device_gamut, intersection
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import spectrum

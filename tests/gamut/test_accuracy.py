@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from symrt.devices import load_device
-from symrt.devices.device import Device
+from symrt.device import load_device
+from symrt.device.printing import Device
 from symrt.gamut import basis_report
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.library import colour_science

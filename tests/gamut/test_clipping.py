@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.gamut.clipping import blocking, clip_slabs
 from symrt.gamut.gamuts import device_gamut as every_gamut
 from symrt.gamut.interface import clip

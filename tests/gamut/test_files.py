@@ -11,10 +11,10 @@ import pytest
 
 import symrt.gamut.files as module
 from symrt.archives import read_archive, write_archive
-from symrt.devices.device import Device
-from symrt.devices.fitting import fit_halftone
-from symrt.devices.halftone import Halftone
-from symrt.devices.inks import load_device
+from symrt.device.fitting import fit_halftone
+from symrt.device.halftone import Halftone
+from symrt.device.inks import load_device
+from symrt.device.printing import Device
 from symrt.gamut.files import KIND, _digest, load_gamut, save_gamut
 from symrt.gamut.gamuts import device_gamut
 from symrt.spectra.bands import wavelengths

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize, nnls
 
-from symrt.devices import Device, load_device
+from symrt.device import Device, load_device
 from symrt.gamut import device_gamut
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut

@@ -8,7 +8,7 @@ from feedback import synthetic
 from gamut.every import BANDS, PARTS, made
 from scipy.optimize import linprog, minimize
 
-from symrt.devices import Device, load_device
+from symrt.device import Device, load_device
 from symrt.feedback import Scale, feasible, map_pixels, report
 from symrt.gamut import device_gamut, intersection, load_gamut, save_gamut
 from symrt.gamut.hull import HullGamut

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize
 
-from symrt.devices.inks import load_device
-from symrt.devices.monitors import load_monitor, monitors
+from symrt.device.inks import load_device
+from symrt.device.monitors import load_monitor, monitors
 from symrt.gamut.monitor import monitor_gamut
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.library import colour_science, display_primaries, spectrum

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from symrt.devices import fit_halftone, load_device, reflectance
+from symrt.device import fit_halftone, load_device, reflectance
 from symrt.gamut import device_gamut
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.recipes import ink_gamut, recipes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.display import luminance_weights

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from symrt.devices.inks import load_device
+from symrt.device.inks import load_device
 from symrt.gamut.slabs import device_gamut
 from symrt.gamut.views import Shadow, Slice
 

@@ -24,7 +24,7 @@ def basis_figure(report: BasisReport) -> Drawing:
 
     Examples
     --------
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import basis_report
     >>> len(basis_figure(basis_report(load_device("dye3-endura-premier"))).axes)
     2

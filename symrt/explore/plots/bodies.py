@@ -5,7 +5,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from symrt.devices.colorimetry import VISIBLE, lab, tristimulus
+from symrt.device.colorimetry import VISIBLE, lab, tristimulus
 from symrt.explore.plots.gamut import device_text, solids_figure
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, wrapped
@@ -41,7 +41,7 @@ def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
 
     Examples
     --------
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> body_figure(device_gamut(load_device("dye3-endura-premier"), "hull")).get_suptitle()
     "Prints, 3 of 36 components: hull of dye3-endura-premier's prints, within 0.0100 RMS (sampling gap 0.0029)"

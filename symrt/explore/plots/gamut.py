@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from symrt.devices.device import Device
+from symrt.device.printing import Device
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
 from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
@@ -63,7 +63,7 @@ def gamut_figure(
 
     Examples
     --------
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> palette = Palette(gamut.bands, {"sun": "illuminant/D65", "sea.diffuse": "macbeth/blue sky"})
@@ -101,7 +101,7 @@ def solids_figure(gamut: Gamut) -> Drawing:
 
     Examples
     --------
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> solids_figure(device_gamut(load_device("dye3-endura-premier"))).get_suptitle()
     'Spectral gamut, 3 of 36 components: unit gamut (0 … 1), black clipped'

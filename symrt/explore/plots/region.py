@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from symrt.explore.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, wrapped
-from symrt.feedback.pairs import JointRegion
+from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.reasons import Reason
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -61,7 +61,7 @@ def joint_region_figure(
     --------
     >>> from scipy import sparse
     >>> from symrt.feedback import Scale, joint_region
-    >>> from symrt.devices import load_device
+    >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
     >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")

@@ -1,0 +1,186 @@
+"""Read CGATS.17 text, and Argyll's ``.ti3``, which is the same with other first words: charts for step 4 of the paper.
+
+A head of keywords, the names of the fields between BEGIN_DATA_FORMAT and END_DATA_FORMAT, and the prints between
+BEGIN_DATA and END_DATA, a line each.  Fields are separated by tabs or spaces, and may be quoted [1]_, [2]_.
+
+References
+----------
+.. [1] ISO 28178:2009, "Graphic technology: Exchange format for colour and process control data using XML
+   or ASCII text".
+.. [2] G. W. Gill, "Argyll .ti3 file format", Argyll CMS documentation.
+"""
+
+import re
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from symrt.device.measured import Measured, Row, conditions, from_rows, is_spectral, number
+from symrt.errors import shown
+
+__all__ = ["decoded", "read_cgats"]
+
+TOKEN = re.compile(r'"((?:[^"]|"")*)"|(#.*)|([^\s"#]\S*)|(")')
+"""A quoted field, a comment, a plain field, or a quote that nothing closes."""
+CONDITIONS = (
+    *("DESCRIPTOR", "ORIGINATOR", "MANUFACTURER", "CREATED", "PRINT_CONDITIONS", "MATERIAL"),
+    *("INSTRUMENTATION", "TARGET_INSTRUMENT", "MEASUREMENT_SOURCE", "MEASUREMENT_GEOMETRY", "FILTER", "POLARIZATION"),
+    "SAMPLE_BACKING",
+)
+"""Keywords of the head that say how prints were made and measured."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of a file, as far as it has been read."""
+
+    head: dict[str, tuple[int, str]] = field(default_factory=dict)
+    fields: list[str] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
+
+
+def read_cgats(text: str) -> Measured:
+    r"""The prints of the one table of a file that has spectra.
+
+    Raises
+    ------
+    ValueError
+        Naming the line or field, what is wrong with it, and what to do.
+
+    Examples
+    --------
+    >>> chart = read_cgats('''CTI3
+    ... BEGIN_DATA_FORMAT
+    ... SAMPLE_ID CMYK_K SPEC_400 SPEC_500
+    ... END_DATA_FORMAT
+    ... BEGIN_DATA
+    ... "paper" 0 80 82
+    ... END_DATA''')
+    >>> chart.bands.labels, chart.reflectances.tolist()
+    (('400 nm', '500 nm'), [[0.8, 0.82]])
+    """
+    tables = _tables(text.splitlines())
+    if not tables:
+        raise ValueError("no BEGIN_DATA_FORMAT and BEGIN_DATA: this is not CGATS text; export the chart as CGATS.17")
+    charts = [table for table in map(_paired, tables) if any(map(is_spectral, table.fields))]
+    if len(charts) > 1:
+        raise ValueError(f"{len(charts)} tables with spectra: keep one measurement a file")
+    table = charts[0] if charts else tables[0]
+    _check_counts(table)
+    chart = from_rows(table.fields, table.rows, _declared(table))
+    told = [(keyword, table.head[keyword][1]) for keyword in CONDITIONS if keyword in table.head]
+    return replace(chart, note=chart.note + conditions(told))
+
+
+def decoded(content: bytes) -> str:
+    r"""Text in whatever encoding: UTF-8, UTF-16 if marked, else Latin-1, in which every byte is a letter.
+
+    Examples
+    --------
+    >>> decoded(b"\xef\xbb\xbfCGATS.17"), decoded(b"\xa9 printer")
+    ('CGATS.17', '© printer')
+    """
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def _tables(lines: list[str]) -> list[Table]:
+    """Every table that a file holds, in order."""
+    tables: list[Table] = []
+    waiting: Row = (0, [])
+    table, within, tabbed = Table(), "head", False
+    for line, text in enumerate(lines, start=1):
+        tokens = _fields(text, line, tabbed and within == "data")
+        word = tokens[0].upper() if tokens else ""
+        if word == "BEGIN_DATA_FORMAT":
+            within, tokens = "format", tokens[1:]
+        elif word == "BEGIN_DATA":
+            within, tokens = "data", tokens[1:]
+        elif word == "END_DATA":
+            _check_row(waiting, len(table.fields), line)
+            tables.append(table)
+            table, within, tabbed = Table(), "head", False
+            continue
+        if within == "format":
+            table.fields.extend(t for t in tokens if t.upper() != "END_DATA_FORMAT")
+            tabbed = tabbed or "\t" in text.strip()
+            within = "head" if tokens and tokens[-1].upper() == "END_DATA_FORMAT" else within
+        elif within == "data":
+            waiting = _gathered(table, waiting, (line, tokens)) if tokens else waiting
+        elif tokens:
+            table.head[word] = (line, " ".join(tokens[1:]))
+    if within != "head":
+        raise ValueError(f"line {len(lines)}: the file ends inside a table, without END_DATA: copy it again, whole")
+    return tables
+
+
+def _gathered(table: Table, waiting: Row, row: Row) -> Row:
+    """Add a finished row to the table; what is not finished waits for the next line, as the format permits."""
+    start, fields = waiting[0] if waiting[1] else row[0], waiting[1] + row[1]
+    if len(fields) >= len(table.fields):
+        _check_row((start, fields), len(table.fields), row[0])
+        table.rows.append((start, fields))
+        return 0, []
+    return start, fields
+
+
+def _check_row(row: Row, fields: int, line: int) -> None:
+    if row[1] and len(row[1]) != fields:
+        lines = f"line {row[0]}" if row[0] == line else f"lines {row[0]} to {line}"
+        raise ValueError(f"{lines}: {len(row[1])} values for {fields} fields; a print has one value a field")
+
+
+def _fields(text: str, line: int, tabbed: bool) -> list[str]:
+    """What a line holds; between tabs a name may have spaces in it without quotes."""
+    if tabbed and "\t" in text.strip() and not text.lstrip().startswith("#"):
+        return [part.strip().strip('"').strip() for part in text.strip().split("\t")]
+    fields = []
+    for found in TOKEN.finditer(text):
+        quoted, comment, plain, stray = found.groups()
+        if stray:
+            raise ValueError(f"line {line}: a quote is not closed in {shown(text.strip())}; close it or take it out")
+        if comment is None:
+            fields.append(plain if plain is not None else quoted.replace('""', '"').strip())
+    return fields
+
+
+def _paired(table: Table) -> Table:
+    """The table with names that hold the wavelengths, where they are numbers: SPECTRAL_NM, then SPECTRAL_PCT."""
+    names = [name.upper() for name in table.fields]
+    pairs = [i for i in range(len(names) - 1) if names[i] == "SPECTRAL_NM" and names[i + 1][:9] == "SPECTRAL_"]
+    if not pairs or not table.rows:
+        return table
+    line, first = table.rows[0]
+    fields = list(table.fields)
+    for i in pairs:
+        if other := next(((n, row[i]) for n, row in table.rows if row[i] != first[i]), None):
+            raise ValueError(f"line {other[0]}: wavelength {shown(other[1])}, but {shown(first[i])} in line {line}")
+        fields[i], fields[i + 1] = "WAVELENGTH", f"NM{number(first[i], f'line {line}, SPECTRAL_NM'):g}"
+    return Table(table.head, fields, table.rows)
+
+
+def _check_counts(table: Table) -> None:
+    for keyword, found in (("NUMBER_OF_FIELDS", len(table.fields)), ("NUMBER_OF_SETS", len(table.rows))):
+        line, text = table.head.get(keyword, (0, str(found)))
+        if number(text, f"line {line}, {keyword}") != found:
+            raise ValueError(
+                f"line {line}: {keyword} is {shown(text)}, but there are {found}: copy the file again, whole"
+            )
+
+
+def _declared(table: Table) -> list[float] | None:
+    """Wavelengths that the head announces."""
+    keys = ("SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM")
+    if not all(key in table.head for key in keys):
+        return None
+    bands, first, last = (number(table.head[key][1], f"line {table.head[key][0]}, {key}") for key in keys)
+    if not (1 <= bands <= len(table.fields) and bands == int(bands)):
+        raise ValueError(
+            f"line {table.head[keys[0]][0]}: SPECTRAL_BANDS is {bands:g}, but there are {len(table.fields)} fields: "
+            "bands are missing; export the chart again"
+        )
+    return [float(nm) for nm in np.linspace(first, last, int(bands))]

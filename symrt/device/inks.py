@@ -1,0 +1,65 @@
+"""Printing devices by name, or from the file of a measured chart: step 4 of the paper begins with one of them."""
+
+from pathlib import Path
+
+from symrt.device.charts import load_chart
+from symrt.device.dyes import dye_device, dye_devices
+from symrt.device.halftone import synthetic_device, synthetic_devices
+from symrt.device.monitors import Monitor, load_monitor, monitors
+from symrt.device.printing import Device, reflectance
+from symrt.errors import shown
+from symrt.spectra.bands import Bands
+from symrt.spectra.palette import did_you_mean
+
+__all__ = ["Device", "devices", "load_device", "reflectance"]
+
+
+def devices() -> tuple[str, ...]:
+    """Names that `load_device` knows.
+
+    Examples
+    --------
+    >>> {"dye3-endura-premier", "synthetic-cmyk"} <= set(devices())
+    True
+    """
+    return (*dye_devices(), *synthetic_devices(), *monitors())
+
+
+def load_device(name: str | Path, bands: Bands | None = None) -> Device | Monitor:
+    """A printer or a monitor by name, or the printer of a measured chart.
+
+    Parameters
+    ----------
+    name
+        One of `devices`; or the path of a chart: CGATS.17 text, Argyll's ``.ti3``, CxF3, ``.csv`` or ``.npz``.
+    bands
+        Wavelengths that its spectra cover; those of its own table or chart if not given.
+
+    Raises
+    ------
+    ValueError
+        If there is no such device, the file is not a chart with spectra, or they do not cover the bands.
+
+    Examples
+    --------
+    >>> device = load_device("dye3-endura-premier")
+    >>> device
+    Device('dye3-endura-premier', modelled, 729 prints in Bands(36 wavelengths, 380 … 730 nm): dye-sublimation-like,
+    modelled from the dyes of Kodak Professional Endura Premier paper)
+    >>> device.bands.labels[2], device.extrapolated[:3]
+    ('400 nm', array([ True,  True, False]))
+    """
+    if name in dye_devices():
+        return dye_device(str(name), bands)
+    if name in synthetic_devices():
+        return synthetic_device(str(name), bands)
+    if name in monitors():
+        return load_monitor(str(name), bands)
+    if isinstance(name, Path) or Path(name).suffix or len(Path(name).parts) > 1:
+        chart = load_chart(name)
+        return chart.on(bands) if bands else chart
+    near = did_you_mean([str(name)[:64]], devices())
+    raise ValueError(
+        f"no device {near if len(str(name)) <= 64 else shown(name)}; there are: {', '.join(devices())}; or give the "
+        "path of a chart, such as 'chart.ti3'"
+    )

@@ -1,0 +1,100 @@
+"""Monitors, known by what their primaries do to the eye: devices for step 4 of the paper.
+
+References
+----------
+.. [1] G. M. Machado, "A model for simulation of color vision deficiency", UFRGS 2010: Brainard's tube.
+.. [2] M. Fairchild and D. Wyble, "Colorimetric characterization of the Apple Studio Display (flat panel LCD)", 1998.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from symrt.device.colorimetry import tristimulus
+from symrt.spectra.bands import RGB, Bands, wavelengths
+from symrt.spectra.library import display_primaries
+
+__all__ = ["EQUAL_ENERGY", "Monitor", "load_monitor", "monitors"]
+
+DISPLAYS = {
+    "crt-brainard": ("Typical CRT Brainard 1997", "a typical cathode ray tube, Brainard 1997"),
+    "apple-studio-display": ("Apple Studio Display", "a flat liquid crystal panel, Fairchild and Wyble 1998"),
+}
+EQUAL_ENERGY = "illuminant/E"
+
+
+@dataclass(frozen=True, eq=False)
+class Monitor:
+    """A monitor, known by what its primaries do to the eye.
+
+    Parameters
+    ----------
+    name
+        What `load_device` calls it.
+    bands
+        Wavelengths of the spectra that it is asked to show, or RGB.
+    primaries
+        XYZ of red, green and blue, a column each, with Y = 1 for their sum; for RGB bands the unit matrix.
+    title, provenance
+        What it is and where its numbers come from.
+    """
+
+    name: str
+    bands: Bands
+    primaries: Float[np.ndarray, "3 3"]
+    title: str
+    provenance: str
+
+    def on(self, bands: Bands) -> "Monitor":
+        """The same monitor for spectra at other wavelengths; its primaries do not depend on them."""
+        if (bands.kind == "rgb") != (self.bands.kind == "rgb"):
+            raise ValueError(
+                f"{self.name} shows {'RGB' if self.bands.kind == 'rgb' else 'spectra'}, not {bands!r}: 'srgb' is for "
+                "images in RGB, the other monitors for wavelengths"
+            )
+        return replace(self, bands=bands)
+
+    def __repr__(self) -> str:
+        return f"Monitor({self.name!r}, {self.bands!r}: {self.title})"
+
+
+def monitors() -> tuple[str, ...]:
+    """Names that `load_monitor` knows.
+
+    Examples
+    --------
+    >>> monitors()
+    ('crt-brainard', 'apple-studio-display', 'srgb')
+    """
+    return (*DISPLAYS, "srgb")
+
+
+def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
+    """A monitor by name.
+
+    Parameters
+    ----------
+    name
+        One of `monitors`; ``srgb`` is for images in RGB only.
+    bands
+        Wavelengths of the spectra that it is asked to show; 380 … 730 nm by 10 nm if not given.
+
+    Examples
+    --------
+    >>> load_monitor("crt-brainard")
+    Monitor('crt-brainard', Bands(36 wavelengths, 380 … 730 nm): a typical cathode ray tube, Brainard 1997)
+    """
+    if name == "srgb":
+        monitor = Monitor(name, RGB, np.eye(3), "linear sRGB", "IEC 61966-2-1:1999, red, green and blue as they are.")
+        return monitor.on(bands) if bands else monitor
+    table, title = DISPLAYS[name]
+    nm, spectra = display_primaries(table)
+    xyz = spectra @ tristimulus(Bands(tuple(nm.tolist())), EQUAL_ENERGY)
+    return Monitor(
+        name=name,
+        bands=wavelengths(380, 730, 10),
+        primaries=(xyz / xyz[:, 1].sum()).T,
+        title=title,
+        provenance=f"Spectra of the primaries: {table!r} of colour-science, 380 … 780 nm by 5 nm.",
+    ).on(bands or wavelengths(380, 730, 10))

@@ -1,0 +1,99 @@
+"""What an image looks like in print, and how much of it is inside a gamut: the figures that `adapt` goes by (step 5).
+
+Colours are compared as prints are looked at: reflectances under D50, beside a perfect diffuser.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.feedback.limits import white_in_every_band
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
+from symrt.gamut.slabs import Gamut
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.spectra.shading import shade
+from symrt.system import LinearSystem
+
+__all__ = ["Appearance", "appearance"]
+
+LIGHT = "illuminant/D50"
+"""Under which prints are looked at."""
+ROUNDING = 1e-12
+"""Of reflectances near 1: what is so near to a boundary is on it."""
+
+Pixels = Int[np.ndarray, " pixel"]
+Judged = Int[np.ndarray, " judged"]
+Reflectances = Float[np.ndarray, "pixel band"]
+
+
+@dataclass(frozen=True, eq=False)
+class Appearance:
+    """The image given: what it looks like at the pixels asked, and what it takes to ask about others."""
+
+    system: LinearSystem
+    palette: Palette
+    gamut: ConvexGamut | InkGamut
+    under: ConvexGamut | InkGamut
+    white: Float[np.ndarray, " band"]
+    pixels: Pixels
+    judged: Judged
+
+    @cached_property
+    def lab(self) -> Float[np.ndarray, "pixel 3"]:
+        """Colours of the image given."""
+        return _lab(self.palette, self.seen(self.palette, self.pixels))
+
+    def seen(self, palette: Palette, pixels: Pixels) -> Reflectances:
+        """Reflectances of some pixels."""
+        system = self.system
+        part = LinearSystem(system.G[pixels], system.interactions, 1, pixels.size, system.white, system.models)
+        return shade(part, palette).values[0] / self.white
+
+    def inside(self, palette: Palette) -> float:
+        """Share of the pixels judged that are inside."""
+        return float(self.under.contains(self.seen(palette, self.judged)).mean()) if self.judged.size else 1.0
+
+    def inside_to_rounding(self, seen: Float[np.ndarray, "judged band"]) -> float:
+        """The same for pixels that were moved to the boundary, and cannot be told from it."""
+        inside = self.under.contains(seen)
+        inside[~inside] = self.under.violation(seen[~inside]) <= ROUNDING
+        return float(inside.mean()) if len(seen) else 1.0
+
+    def figures(self, palette: Palette) -> tuple[float, float, float]:
+        """Share inside, mean difference, and share of the lightness kept."""
+        return (self.inside(palette), *self.looks(self.seen(palette, self.pixels)))
+
+    def looks(self, seen: Reflectances) -> tuple[float, float]:
+        """Mean difference of the pixels asked, and share of their lightness kept."""
+        if not self.pixels.size:
+            return 0.0, 1.0
+        now = _lab(self.palette, seen)
+        given, kept = (np.minimum(one[:, 0], 100.0).mean() for one in (self.lab, now))
+        return float(colour_difference(self.lab, now).mean()), float(kept / given) if given else 1.0
+
+
+def appearance(
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference, *, most: int
+) -> Appearance:
+    """The image given, and at most some of its pixels, drawn evenly, to compare colours on."""
+    white = white_in_every_band(system, palette, reference, [gamut])
+    objects = np.flatnonzero(system.object_pixels)
+    pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
+    return Appearance(
+        system=system,
+        palette=palette,
+        gamut=gamut,
+        under=gamut.under(white),
+        white=white,
+        pixels=pixels,
+        judged=objects if isinstance(gamut, Gamut) else pixels,
+    )
+
+
+def _lab(palette: Palette, seen: Reflectances) -> Float[np.ndarray, "pixel 3"]:
+    return lab(seen @ tristimulus(palette.bands, LIGHT), LIGHT)

@@ -1,0 +1,138 @@
+"""What several scales may do together: step 5 of the paper, the constraints on all of them at once."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.feedback.along import along_ends
+from symrt.feedback.caps import INWARD, grouped
+from symrt.feedback.joint.convex import Planes
+from symrt.feedback.joint.filling import Task, first_limits, lit
+from symrt.feedback.joint.posynomials import Posynomials, Sliders, sliders
+from symrt.feedback.limits import Bound
+from symrt.feedback.ranges import reason
+from symrt.feedback.reasons import Reason
+from symrt.feedback.shares import End
+from symrt.spectra.bands import Number
+
+__all__ = ["LEAST", "Joint", "counted_pixels", "joint"]
+
+NEARLY = 1e-9
+"""A row that is so near to its bound at the low end leaves its scales no room."""
+LEAST = 1e-9
+"""Of the high end of the range, where logarithms begin if the low end is 0."""
+
+Point = Float[np.ndarray, " scale"]
+Pixels = Int[np.ndarray, " _"]
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """What several scales may do together.
+
+    Parameters
+    ----------
+    names
+        The scales that have room, sorted.
+    image
+        The pixels that may meet an upper bound, in shares of it.
+    caps
+        Rows that keep materials physical.
+    low, high
+        Logarithms of the ends of the range of each scale.
+    pinned, reasons
+        Scales that have no room above the low end, their values, and why.
+    unfixable
+        Pixels that are outside even at the low end.
+    """
+
+    task: Task
+    names: tuple[str, ...]
+    image: Sliders
+    caps: Posynomials
+    low: Point
+    high: Point
+    pinned: Mapping[str, float]
+    reasons: Mapping[str, Reason]
+    unfixable: Pixels
+
+    @property
+    def box(self) -> Planes:
+        """The range of every scale."""
+        eye = np.eye(len(self.names))
+        return Planes(np.vstack([eye, -eye]), np.concatenate([self.high, -self.low]))
+
+
+def joint(task: Task, values: Mapping[str, float] | None = None) -> Joint:
+    """The constraints on a task's scales, of which some may already have values."""
+    may_bind, unfixable, _ = first_limits(task)
+    pinned, reasons = dict(values or {}), dict[str, Reason]()
+    while True:
+        found = _with_pinned(task, pinned, may_bind)
+        stuck = _stuck(found)
+        pinned |= dict.fromkeys(stuck, task.within[0])
+        reasons |= stuck
+        if not stuck:
+            return replace(found, pinned=pinned, reasons=reasons, unfixable=unfixable)
+
+
+def counted_pixels(task: Task, bound: Bound, filled: Mapping[str, float], allowed: Number) -> Pixels:
+    """The pixels that must stay above black: those that may fall are the darkest of the filled image."""
+    counted, budget = lit(task, bound, filled, allowed)
+    image = sliders(task.system, task.painted(filled), task.symbols, bound, counted, upper=False)
+    share, _ = image.darkest(np.zeros(len(filled)))
+    return np.sort(counted[np.argsort(share, kind="stable")[budget:]])
+
+
+def _with_pinned(task: Task, values: Mapping[str, float], pixels: Pixels) -> Joint:
+    free = {name: symbols for name, symbols in task.symbols.items() if name not in values}
+    painted = task.painted(values)
+    floor = max(task.within[0], LEAST * task.within[1])
+    return Joint(
+        task=task,
+        names=tuple(free),
+        image=sliders(task.system, painted, free, task.asked.upper, pixels),
+        caps=_cap_rows(task, values, free) if task.cap else _no_rows(len(free)),
+        low=np.full(len(free), np.log(floor)),
+        high=np.full(len(free), np.log(task.within[1])),
+        pinned={},
+        reasons={},
+        unfixable=pixels[:0],
+    )
+
+
+def _stuck(found: Joint) -> dict[str, Reason]:
+    """The scales that a row, as good as met at the low end, forbids to rise."""
+    task, stuck = found.task, dict[str, Reason]()
+    share, slab = found.image.brightest(found.low)
+    met = np.flatnonzero(share >= 1 - NEARLY)
+    rows = found.image.rows(met, slab[met])
+    values = {**dict.fromkeys(task.symbols, task.within[0]), **found.pinned}
+    line = along_ends(task.system, task.painted(values), {})
+    for row, pixel in enumerate(found.image.pixels[met]):
+        why = reason(line, task.asked, End("upper", int(pixel)), 1.0, task.system.width)
+        stuck = {**{found.names[k]: why for k in rows.scales(row)}, **stuck}
+    for cap in np.flatnonzero(found.caps.at(found.low)[0] >= -NEARLY):
+        stuck = {**{found.names[k]: Reason("cap") for k in found.caps.scales(int(cap))}, **stuck}
+    return stuck
+
+
+def _cap_rows(task: Task, values: Mapping[str, float], free: Mapping[str, frozenset[str]]) -> Posynomials:
+    """For each material and band the sum of its reflectances."""
+    palette, names = task.painted(values), list(free)
+    owner = {symbol: 1 + names.index(name) for name in names for symbol in free[name]}
+    rows = []
+    for symbols in grouped(palette).values():
+        sums = np.zeros((len(palette.bands), 1 + len(names)))
+        for symbol in symbols:
+            sums[:, owner.get(symbol, 0)] += palette[symbol] / INWARD
+        rows.append(sums[sums[:, 1:].any(axis=1)])
+    with np.errstate(divide="ignore"):
+        logs = np.log(np.vstack([np.zeros((0, 1 + len(names))), *rows]))
+    return Posynomials(logs, np.vstack([np.zeros(len(names)), np.eye(len(names))]))
+
+
+def _no_rows(scales: int) -> Posynomials:
+    return Posynomials(np.zeros((0, 1)), np.zeros((1, scales)))

@@ -1,0 +1,199 @@
+"""Which pairs of two parameters keep an image inside a gamut: step 5 of the paper, for two parameters at once.
+
+With one parameter at a value, the other's range is found as `feasible` finds it, certified: a line through the plane of
+pairs.  Many such lines show the region.
+"""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+from tqdm.auto import tqdm
+
+from symrt.feedback.along import along
+from symrt.feedback.asking import drawn
+from symrt.feedback.joint.boxes import SafeBox
+from symrt.feedback.joint.crossing import Image, Plane, image, line_at, spans_of, without_unfixable
+from symrt.feedback.joint.freedom import safe_box
+from symrt.feedback.joint.pairs import JointRegion, given_value
+from symrt.feedback.limits import limits
+from symrt.feedback.parameters import Parameter, Scale, mixing_of, moved, moved_ends
+from symrt.feedback.ranges import Range, check_share, checked_range, feasible
+from symrt.feedback.reasons import Feasible
+from symrt.feedback.shares import pieces
+from symrt.feedback.weighing import weighed
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
+from symrt.spectra.bands import Number
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.system import LinearSystem
+
+__all__ = ["joint_region"]
+
+Mask = Bool[np.ndarray, "height width"]
+ASKED = 200
+"""Pixels that a hull, or inks, are asked about on every line."""
+NUDGE = 1e-9
+"""By which share a line stays on the inner side of where a range ends."""
+
+
+def joint_region(  # noqa: PLR0913  # a public verb names its options
+    system: LinearSystem,
+    palette: Palette,
+    gamut: ConvexGamut | InkGamut,
+    one: Parameter,
+    other: Parameter,
+    *,
+    within: tuple[Range | None, Range | None] = (None, None),
+    steps: int = 49,
+    allowed_out: Number = 0.0,
+    mask: Mask | None = None,
+    reference: Reference | None = None,
+    cap: bool = True,
+    most: int = ASKED,
+    progress: bool = True,
+) -> JointRegion:
+    """Which pairs of values of two parameters keep the image inside a gamut, and what stops them.
+
+    Parameters
+    ----------
+    one, other
+        Scales, linear blends or the exposure; the other moves what the one has moved already.
+    within
+        The range of each, its usual one where None is given.
+    steps
+        Lines drawn evenly over the range of the one; a few more stand where ranges end.
+    allowed_out, mask, reference, cap
+        As for `feasible`.
+    most
+        Pixels that a gamut without slabs, a hull or inks, is asked about on every line.
+    progress
+        Whether a bar shows on standard error if it takes over a second.
+
+    Raises
+    ------
+    ValueError
+        If both parameters are the same, or they, the palette, the gamut and the system do not fit together.
+
+    Examples
+    --------
+    Two materials share a pixel, each with a quarter of the white's light: their scales may sum to 4:
+
+    >>> from scipy import sparse
+    >>> from symrt.device.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
+    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, height=1, width=1, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
+    >>> found = joint_region(system, palette, device_gamut(device), Scale("ice"), Scale("sea"), cap=False)
+    >>> (1, 2.9) in found, (2, 2.5) in found, round(found.separate_inside, 3)
+    (True, False, 0.776)
+    """
+    start = time.perf_counter()
+    if one == other:
+        raise ValueError(f"the {one} is named twice: a region needs two parameters")
+    for parameter in (one, other):
+        if mixing_of(parameter) != "linear":
+            raise ValueError(f"the {parameter}: a region takes scales, linear blends and the exposure; ask feasible")
+    if steps < 2:
+        raise ValueError(f"steps = {steps}: a region needs two lines at least")
+    check_share(allowed_out, "allowed_out")
+    ranges = checked_range(one, within[0]), checked_range(other, within[1])
+    if any(low == high for low, high in ranges):
+        raise ValueError(f"within = {within}: a region needs room in both ranges, low below high")
+    asked = limits(system, palette, gamut, reference)
+    line = along(system, palette, one)
+    counted = drawn(line, asked, weighed(system, None, mask), given_value(one), most, extremes=not allowed_out)
+    plane = Plane(system, palette, asked, one, other, ranges, cap, counted.pixels)
+
+    def alone(parameter: Parameter, asked: Range) -> Feasible:
+        return feasible(
+            system,
+            palette,
+            gamut,
+            parameter,
+            within=asked,
+            allowed_out=allowed_out,
+            mask=mask,
+            reference=reference,
+            cap=cap,
+            most=most,
+            progress=progress,
+        )
+
+    separate = alone(one, ranges[0]), alone(other, ranges[1])
+    box = None if allowed_out or mask is not None else _box(plane, gamut, reference)
+    seen = image(plane)
+    values = _values(plane, steps, separate[0], box, seen)
+    seen = without_unfixable(plane, seen, values)
+    budget = int(allowed_out * seen.objects + 1e-9) - len(seen.outside) - len(seen.unfixable)
+    across = np.linspace(*ranges[1], steps)
+    with tqdm(values, desc="joint region", unit="line", delay=1, leave=False, disable=not progress) as bar:
+        lines = [line_at(plane, seen, float(value), budget) for value in bar]
+    found = JointRegion(
+        one=one,
+        other=other,
+        within=ranges,
+        values=values,
+        intervals=tuple(tuple((piece.low, piece.high) for piece in line.pieces) for line in lines),
+        reasons=tuple(line.reasons for line in lines),
+        across=across,
+        outside=np.array([line.curve.outside(across) for line in lines]),
+        separate=separate,
+        separate_inside=None,
+        box=box,
+        verdict="complete" if budget >= 0 else "rest-only",
+        untouched_outside=seen.outside,
+        unfixable=seen.unfixable,
+        objects=seen.objects,
+        note="; ".join(filter(None, [plane.asked.note, counted.note])),
+        width=system.width,
+        seconds=0.0,
+    )
+    return replace(found, separate_inside=_share_of_separate(found), seconds=time.perf_counter() - start)
+
+
+def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen: Image) -> Float[np.ndarray, " line"]:
+    """Where lines are drawn: evenly, at the palette given, and just inside of where the one's ranges end."""
+    low, high = plane.within[0]
+    ends = [*alone.intervals]
+    if box is not None and isinstance(plane.one, Scale):
+        ends.append(box.box[plane.one.name])
+    for value in plane.within[1]:
+        # With the other at either end of its range, the one may go this far.
+        line = along(seen.part, moved(seen.part, plane.palette, plane.other, value), plane.one)
+        spans = spans_of(line, plane.asked, plane.within[0])
+        ends += [(piece.low, piece.high) for piece in pieces(spans, plane.within[0], len(seen.pixels), "upper")]
+    kinks = [end for a, b in ends for end in (a * (1 + NUDGE), b * (1 - NUDGE))]
+    values = np.unique([*np.linspace(low, high, steps), given_value(plane.one), *kinks])
+    return values[(low <= values) & (values <= high)]
+
+
+def _box(plane: Plane, gamut: ConvexGamut | InkGamut, reference: Reference | None) -> SafeBox | None:
+    """The safe box of two scales of different spectra over one range."""
+    one, other, within = plane.one, plane.other, plane.within
+    if not (isinstance(one, Scale) and isinstance(other, Scale) and within[0] == within[1]):
+        return None
+    if plane.asked.upper.signed or plane.asked.solids:
+        return None
+    first, second = (moved_ends(plane.system, plane.palette, scale).keys() for scale in (one, other))
+    if not first.isdisjoint(second):
+        return None
+    scales = [one, other]
+    return safe_box(plane.system, plane.palette, gamut, scales, within=within[0], reference=reference, cap=plane.cap)
+
+
+def _share_of_separate(found: JointRegion) -> float | None:
+    """Share of the rectangle of the separate ranges that the region covers."""
+    covered = whole = 0.0
+    second = found.separate[1].intervals
+    lengths = [sum(max(0.0, min(b, d) - max(a, c)) for a, b in line for c, d in second) for line in found.intervals]
+    for low, high in found.separate[0].intervals:
+        at = np.unique([low, *found.values[(low < found.values) & (found.values < high)], high])
+        covered += float(np.trapezoid(np.interp(at, found.values, lengths), at))
+        whole += (high - low) * sum(d - c for c, d in second)
+    return covered / whole if whole else None

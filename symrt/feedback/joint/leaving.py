@@ -1,0 +1,152 @@
+"""Leave a share of the pixels outside: step 5 of the paper, "some percentage of out-of-gamut pixels may be allowed".
+
+Which pixels to leave out is a combinatorial question as soon as there are several scales.  What is done here is a
+descent: from an answer the scales go straight towards what the objective would ask for if there were no pixels, as far
+as the pixels that come out on the way are few enough; those are left out, the best scales for the rest are found, and
+so on until nothing improves.  Pixels come out one by one on a straight line, because in logarithms of the scales each
+allows a convex set.  It starts from the answer with no pixel left out, so that it is never worse than that; from the
+pixels that all scales would leave out together; and from those that are farthest outside where the objective pulls.
+Where the best scales are quickly found it also goes in several steps, and exchanges pixels that bind for others as long
+as it pays.  With a single scale all pixels come out in the order of their limits, and the answer is exact.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from symrt.feedback.joint.constraints import LEAST
+from symrt.feedback.joint.filling import Filled, Task, first_limits, lightest
+from symrt.feedback.joint.posynomials import Sliders, sliders
+
+__all__ = ["leave_out"]
+
+MOST_ROUNDS = 10
+EXCHANGES = 12
+"""Tries, each of two questions."""
+HALVINGS = 52
+"""Of a line, after which its points are the same to rounding."""
+STEPS = 8
+"""Parts in which the budget is spent in one of the attempts."""
+NEAR = 1e-6
+"""Pixels whose share of a bound is so near to 1 bind."""
+PROGRESS = 1e-9
+"""Of the cost, below which a round is the last."""
+
+Ask = Callable[[Task], Filled | None]
+Pixels = Int[np.ndarray, " _"]
+Point = Float[np.ndarray, " scale"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A question, the pixels that it may leave out, and how many."""
+
+    task: Task
+    ask: Ask
+    image: Sliders
+    budget: int
+
+    def asked(self, out: Pixels) -> Filled | None:
+        """The answer without some of the pixels."""
+        return self.ask(replace(self.task, left_out=np.union1d(self.task.left_out, out)))
+
+    def outside(self, y: Point, of: Sliders | None = None) -> Pixels:
+        """The pixels that are outside at a point."""
+        image = of or self.image
+        return image.pixels[image.brightest(y)[0] > 1]
+
+    def point(self, found: Filled) -> Point:
+        """The logarithms of an answer's scales."""
+        values = np.array([found.values[name] for name in self.task.symbols])
+        return np.log(np.maximum(values, LEAST * self.task.within[1]))
+
+
+def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
+    """The best answer found that leaves no more than a budget of pixels outside, besides those already left out.
+
+    Parameters
+    ----------
+    ask
+        The answer to a task, with the cost that is to be small.
+
+    Examples
+    --------
+    See `symrt.feedback.fit` with ``allowed_out``.
+    """
+    first = ask(task)
+    if first is None or budget <= 0:
+        return first
+    rows, _, _ = first_limits(task, every=True)
+    if not len(rows):
+        return first
+    search = _Search(task, ask, sliders(task.system, task.palette, task.symbols, task.asked.upper, rows), budget)
+    free = search.asked(rows)
+    if free is None:
+        return first
+    share, _ = search.image.brightest(search.point(free))
+    farthest = search.image.pixels[np.argsort(-share, kind="stable")[:budget]]
+    if (share > 1).sum() <= budget:
+        return search.asked(search.image.pixels[share > 1])
+    aim = search.point(free)
+    if len(task.symbols) == 1:
+        return _descended(search, first, aim)
+    starts = [first, search.asked(lightest(task, budget).left_out), search.asked(farthest)]
+    if first.optimum == "global":
+        starts.append(_stepped(search, first, aim))
+    best = min(
+        (_descended(search, start, aim) for start in starts if start is not None), key=lambda answer: answer.cost
+    )
+    return replace(_exchanged(search, best) if best.optimum == "global" else best, optimum="local")
+
+
+def _descended(search: _Search, found: Filled, aim: Point) -> Filled:
+    """Go towards the aim, leave out what comes out on the way, ask again."""
+    for _ in range(MOST_ROUNDS):
+        better = search.asked(_on_the_way(search, search.point(found), aim))
+        if better is None or better.cost >= found.cost - PROGRESS * abs(found.cost):
+            break
+        found = better
+    return found
+
+
+def _stepped(search: _Search, found: Filled, aim: Point) -> Filled:
+    """Spend the budget in parts, with the best scales after each."""
+    for part in np.unique(np.linspace(0, search.budget, STEPS + 1).astype(int))[1:]:
+        found = search.asked(_on_the_way(replace(search, budget=int(part)), search.point(found), aim)) or found
+    return found
+
+
+def _exchanged(search: _Search, found: Filled) -> Filled:
+    """Leave out a pixel that binds, and keep the one that is then least outside, for as long as it pays."""
+    image, tried = search.image, np.zeros(0, dtype=int)
+    for _ in range(EXCHANGES):
+        share, _ = image.brightest(search.point(found))
+        binding = np.setdiff1d(image.pixels[(share <= 1) & (share > 1 - NEAR)], tried)
+        freed = search.asked(np.append(image.pixels[share > 1], binding[0])) if len(binding) else None
+        if freed is None:
+            break
+        tried = np.append(tried, binding[0])
+        share, _ = image.brightest(search.point(freed))
+        farthest = np.argsort(-share, kind="stable")[: min(search.budget, int((share > 1).sum()))]
+        other = search.asked(image.pixels[farthest])
+        if other is not None and other.cost < found.cost - PROGRESS * abs(found.cost):
+            found = other
+    return found
+
+
+def _on_the_way(search: _Search, y: Point, aim: Point) -> Pixels:
+    """The pixels outside at the farthest point towards the aim where they are no more than the budget."""
+    # Only what is inside here and outside there comes out: a pixel allows a part of the line without gaps.
+    image = search.image
+    there = np.flatnonzero((image.brightest(aim)[0] > 1) | (image.brightest(y)[0] > 1))
+    close = replace(image, G=image.G[there], pixels=image.pixels[there])
+    near, far = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (near + far) / 2
+        if len(search.outside(y + middle * (aim - y), close)) <= search.budget:
+            near = middle
+        else:
+            far = middle
+    return search.outside(y + near * (aim - y), close)

@@ -1,0 +1,70 @@
+"""Bring scales that were computed to rounding to where a pixel certainly stops them: step 5 of the paper.
+
+One scale after another goes as far as its pixels allow with all others as they are, in the arithmetic of `feasible`;
+what moves is only the last digits, and the answer names the pixel.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Int
+
+from symrt.feedback.intervals import intervals
+from symrt.feedback.joint.filling import INWARD, Task
+from symrt.feedback.joint.posynomials import Sliders
+from symrt.feedback.ranges import reason
+from symrt.feedback.reasons import Reason
+from symrt.feedback.shares import End
+
+__all__ = ["lowered", "near", "raised"]
+
+NEAR = 1e-6
+"""Pixels whose share of a bound is so near to 1 may be what stops a scale."""
+GROWTH = 1e-9
+"""By how much a scale may still move."""
+
+Pixels = Int[np.ndarray, " _"]
+Values = Mapping[str, float]
+
+
+def near(image: Sliders, values: Values, names: tuple[str, ...]) -> Pixels:
+    """The pixels that may stop a scale."""
+    share, _ = image.brightest(np.log([values[name] for name in names]))
+    return image.pixels[share >= 1 - NEAR]
+
+
+def raised(task: Task, close: Pixels, values: Values, name: str, most: float | None = None) -> tuple[float, Reason]:
+    """The value of one scale, raised to what stops it, at most to `most`; and what that is."""
+    others = {n: v for n, v in values.items() if n != name}
+    line, bound = task.line(others, frozenset({name})), task.asked.upper
+    pixels = close[line.touched[close]]
+    found = intervals(line.seen(bound.matrix, pixels), bound, (0.0, task.within[1]), INWARD)
+    limit = np.zeros(len(pixels))
+    limit[found.pixel] = found.high
+    value, capped = values[name], task.capped(others, frozenset({name}))
+    ends = [(task.within[1], Reason("range")), (capped.value, Reason("cap", band=capped.band, symbol=capped.symbol))]
+    if most is not None:
+        ends.append((most, Reason("objective")))
+    if len(pixels):
+        high, pixel = float(limit.min()), int(pixels[limit.argmin()])
+        ends.append((high, reason(line, task.asked, End("upper", pixel), high, task.system.width)))
+    end, why = min(ends, key=lambda pair: pair[0])
+    return (end, why) if end <= value * (1 + GROWTH) else (value, Reason("objective"))
+
+
+def lowered(task: Task, counted: Pixels, values: Values, name: str) -> tuple[float, Reason]:
+    """The value of one scale, lowered to where one of the pixels counted would fall below black; and which."""
+    low, value, bound = task.within[0], values[name], task.asked.dark
+    if bound is None:
+        return low, Reason("range")
+    line = task.line({n: v for n, v in values.items() if n != name}, frozenset({name}))
+    pixels = counted[line.touched[counted]]
+    found = intervals(line.seen(bound.matrix, pixels), bound, (low, task.within[1]), INWARD)
+    limit = np.full(len(pixels), np.inf)
+    limit[found.pixel] = found.low
+    least = float(limit.max(initial=low))
+    if least < value * (1 - GROWTH):
+        return value, Reason("objective")
+    if least <= low:
+        return low, Reason("range")
+    return least, reason(line, task.asked, End("dark", int(pixels[limit.argmax()])), least, task.system.width)
