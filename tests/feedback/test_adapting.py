@@ -1,6 +1,5 @@
 """The loop that changes an image no more than its criteria ask: what it accepts is recomputed."""
 
-import colour
 import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
@@ -12,11 +11,13 @@ from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
 from symrt.gamut import device_gamut
 from symrt.spectra.bands import wavelengths
-from symrt.spectra.library import observer, spectrum
+from symrt.spectra.library import colour_science, observer, spectrum
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
 from symrt.system import Interaction, LinearSystem
+
+colour = colour_science()
 
 DEVICE = load_device("dye3-endura-premier")
 ENVELOPE = device_gamut(DEVICE, "envelope")
