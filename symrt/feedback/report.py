@@ -66,7 +66,7 @@ class Verdict:
     seconds: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """What several gamuts say about one image.
 
@@ -98,7 +98,7 @@ class Report:
             for v in self.verdicts
         ]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         widths = [max(map(len, column)) for column in zip(HEAD, *self.rows, strict=True)]
         table = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in (HEAD, *self.rows)]
         return "\n".join([*table, *self._sentences()])

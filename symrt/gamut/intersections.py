@@ -53,7 +53,9 @@ class _Parts(Protocol):
             (True, True): "necessary and sufficient",
             (False, False): "neither necessary nor sufficient",
         }[necessary, sufficient]
-        each = "; ".join(f"{part.name}: {part.label}" for part in self.parts)
+        labels = {part.label for part in self.parts}
+        same = f"each: {self.parts[0].label}" if len(labels) == 1 else None
+        each = same or "; ".join(f"{part.name}: {part.label}" for part in self.parts)
         return f"{whole} for all of them together ({each})"
 
     @property

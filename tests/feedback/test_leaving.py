@@ -80,7 +80,7 @@ def test_exactly_the_pixels_named_are_outside_and_it_is_never_worse_than_with_no
     assert f"{len(found.left_out)} of {len(OBJECTS)} object pixels are left outside, as allowed." in repr(found)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.002, 0.01, 0.05, 0.3, 0.9])
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.3])
 @pytest.mark.parametrize("name", ["key", "brass", "ice"])
 def test_a_single_scale_ends_where_its_range_does(name, share):
     alone = feasible(MIRRORED, COLOURS, ENVELOPE, Scale(name), allowed_out=share, cap=False)
@@ -222,7 +222,7 @@ def test_pixels_that_no_scale_brings_inside_are_counted_first():
 
 
 @pytest.mark.parametrize("goal", GOALS)
-@pytest.mark.parametrize("seed", [0, 3, 9, 11])
+@pytest.mark.parametrize("seed", [0, 9])
 def test_awkward_systems_leave_out_no_more_than_allowed(goal, seed):
     image, colours, materials = awkward(seed)
     options = {"objective": goal, "cap": seed % 2 == 0, "least_luminance": 0, "allowed_out": 0.25}
