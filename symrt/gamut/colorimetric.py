@@ -15,13 +15,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull, QhullError
 
-from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.arrays import PerPixel, PixelBands
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ROUNDING, Slabs
 from symrt.gamut.mixtures import nearest_mixtures
-from symrt.spectra.bands import Bands
+from symrt.gamut.printed import OfPrinter
 
 __all__ = ["ColorimetricGamut", "colorimetric_gamut"]
 
@@ -32,7 +32,7 @@ HUES = ("red", "yellow", "green", "blue")
 
 
 @dataclass(frozen=True, eq=False)
-class ColorimetricGamut:
+class ColorimetricGamut(OfPrinter):
     """Reflectances whose colour under a viewing light lies among those of a device's prints.
 
     Parameters
@@ -73,23 +73,9 @@ class ColorimetricGamut:
         return f"colours of {self.device.name}'s prints under {self.light}"
 
     @property
-    def bands(self) -> Bands:
-        """Wavelengths of its spectra."""
-        return self.device.bands
-
-    @property
-    def devices(self) -> tuple[Device, ...]:
-        """The printer."""
-        return (self.device,)
-
-    @property
     def observer(self) -> Float[np.ndarray, "band 3"]:
         """The matrix that takes a reflectance to XYZ under the viewing light."""
         return tristimulus(self.bands, self.light)
-
-    def under(self, white: Spectrum) -> "ColorimetricGamut":  # noqa: ARG002 -- what every gamut can be asked
-        """The same: prints are looked at under the viewing light, whatever lights the scene."""
-        return self
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
         """Whether the colour of each spectrum is inside; the boundary is."""

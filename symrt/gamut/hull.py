@@ -6,17 +6,16 @@ beside it, so that the tolerance is never less than the gap that sampling leaves
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool
 
-from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device
-from symrt.gamut.basis import Basis, uniform_first
 from symrt.gamut.clipping import Interval
 from symrt.gamut.mixtures import EXACT, nearest_mixtures
-from symrt.spectra.bands import Bands, Number
+from symrt.gamut.printed import OfPrinter
+from symrt.spectra.bands import Number
 
 __all__ = ["HullGamut", "hull_gamut"]
 
@@ -30,7 +29,7 @@ STEPS = 80
 
 
 @dataclass(frozen=True, eq=False)
-class HullGamut:
+class HullGamut(OfPrinter):
     """Reflectances that mixtures of a device's prints come near to.
 
     Parameters
@@ -62,25 +61,6 @@ class HullGamut:
     def name(self) -> str:
         """The gamut in words."""
         return f"hull of {self.device.name}'s prints, within {self.tolerance:.4f} RMS (sampling gap {self.gap:.4f})"
-
-    @property
-    def bands(self) -> Bands:
-        """Wavelengths of its spectra."""
-        return self.device.bands
-
-    @property
-    def devices(self) -> tuple[Device, ...]:
-        """The printer."""
-        return (self.device,)
-
-    @cached_property
-    def basis(self) -> Basis:
-        """The device's basis, constant spectrum first."""
-        return uniform_first(self.device.samples)
-
-    def under(self, white: Spectrum) -> "HullGamut":  # noqa: ARG002 -- what every gamut can be asked
-        """The same: what a device prints does not depend on the light."""
-        return self
 
     def distance(self, spectra: PixelBands) -> PerPixel:
         """Root mean square difference from the nearest mixture of prints."""

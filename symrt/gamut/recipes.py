@@ -19,7 +19,8 @@ from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device, Printer
 from symrt.gamut.hull import TOLERANCE
 from symrt.gamut.looking import looked_for
-from symrt.spectra.bands import Bands, Number
+from symrt.gamut.printed import OfPrinter
+from symrt.spectra.bands import Number
 
 __all__ = ["InkGamut", "ink_gamut", "recipes"]
 
@@ -38,7 +39,7 @@ Recipes = Float[np.ndarray, "pixel ink"]
 
 
 @dataclass(frozen=True, eq=False)
-class InkGamut:
+class InkGamut(OfPrinter):
     """Reflectances that a printer's model comes near to with some amounts of its inks.
 
     Parameters
@@ -67,20 +68,6 @@ class InkGamut:
     def name(self) -> str:
         """The gamut in words."""
         return f"what the inks of {self.device.name} print, within {self.tolerance:.4f} RMS"
-
-    @property
-    def bands(self) -> Bands:
-        """Wavelengths of its spectra."""
-        return self.device.bands
-
-    @property
-    def devices(self) -> tuple[Device, ...]:
-        """The printer."""
-        return (self.device,)
-
-    def under(self, white: Float[np.ndarray, " band"]) -> "InkGamut":  # noqa: ARG002 -- what every gamut can be asked
-        """The same: what a device prints does not depend on the light."""
-        return self
 
     def distance(self, spectra: PixelBands) -> PerPixel:
         """Root mean square difference from the nearest print that is found."""

@@ -7,7 +7,6 @@ reach a thin, curved part of it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -15,11 +14,10 @@ from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
 from symrt.device.printing import Device
-from symrt.gamut.basis import Basis, uniform_first
 from symrt.gamut.clipping import INWARD, Interval, clip_slabs
 from symrt.gamut.interface import Slabs
+from symrt.gamut.printed import OfPrinter
 from symrt.gamut.views import Shadow, Slice
-from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 
 __all__ = ["Black", "Gamut", "Model", "device_gamut"]
@@ -31,7 +29,7 @@ BISECTIONS = 80
 
 
 @dataclass(frozen=True, eq=False)
-class Gamut:
+class Gamut(OfPrinter):
     """The reflectances that a device may be able to print.
 
     Parameters
@@ -74,21 +72,6 @@ class Gamut:
         kept = {"clip": "black clipped", "luminance": "black's luminance kept", "strict": "black kept in every band"}
         what = {"unit": "unit gamut (0 … 1)", "envelope": f"envelope of {self.device.name}"}[self.model]
         return f"{what}, {kept[self.black]}"
-
-    @property
-    def bands(self) -> Bands:
-        """Wavelengths of its spectra."""
-        return self.device.bands
-
-    @property
-    def devices(self) -> tuple[Device, ...]:
-        """The printer."""
-        return (self.device,)
-
-    @cached_property
-    def basis(self) -> Basis:
-        """The device's basis, constant spectrum first."""
-        return uniform_first(self.device.samples)
 
     @property
     def slabs(self) -> Slabs:
