@@ -48,8 +48,8 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
         rising = sum((palette[s] for s in symbols if s in moved), np.zeros(len(palette.bands)))
         rest = sum((palette[s] for s in symbols if s not in moved), np.zeros(len(palette.bands)))
         if rising.any():
-            with np.errstate(divide="ignore"):
-                factors = np.where(rising > 0, np.maximum(1 - rest, 0) / rising, np.inf) * INWARD
+            room = np.maximum(1 - rest, 0)
+            factors = np.divide(room, rising, out=np.full(len(room), np.inf), where=rising > 0) * INWARD
             band = int(factors.argmin())
             caps.append(Cap(float(factors[band]), name, palette.bands.labels[band], frozenset(symbols)))
     return min(caps, key=lambda found: found.value, default=UNLIMITED)

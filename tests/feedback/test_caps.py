@@ -41,3 +41,10 @@ def test_a_palette_that_is_unphysical_already_leaves_no_room():
     bright = Palette(RGB, {"brass.diffuse": 0.9, "brass.specular": 0.4})
     assert above_one(bright) == ("brass",)
     assert physical_cap(bright, ("brass.diffuse", "brass.specular")).value == pytest.approx(1 / 1.3)
+
+
+def test_a_material_that_is_full_and_moves_in_other_bands_leaves_its_room_there():
+    # In green nothing moves and nothing is left: 0 / 0 asks for nothing, and warns of nothing.
+    brass = Palette(RGB, {"brass.diffuse": [0.5, 0.0, 0.2], "brass.specular": [0.2, 1.0, 0.2]})
+    found = physical_cap(brass, ("brass.diffuse",))
+    assert (found.value, found.band) == (pytest.approx(1.6, rel=1e-14), "red")
