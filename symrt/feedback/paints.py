@@ -137,7 +137,9 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
     return Paints(
         G=system.G,
         fixed=np.array(fixed).reshape(-1, bands),
-        powers=np.array([[row.count(name) for name in moving] for row in names], dtype=int).reshape(-1, len(moving)),
+        powers=np.array([[row.count(name) for name in moving] for row in names], dtype=int).reshape(
+            len(names), len(moving)
+        ),
         first=np.array([ends[name][0] for name in moving]).reshape(-1, bands),
         last=np.array([ends[name][1] for name in moving]).reshape(-1, bands),
         matrix=np.eye(bands),

@@ -334,3 +334,12 @@ def test_what_cannot_be_mixed_as_paints_is_refused_in_one_line():
         feasible(image, colours, UNIT, Blend("a", "c", KM))
     with pytest.raises(ValueError, match="makes no polynomials"):
         along(image, colours, Blend("a", "b", KM))
+
+
+def test_a_blend_of_paints_that_are_alike_touches_nothing():
+    image, colours = system(), palette()
+    alike = colours.replace({"ice.diffuse": colours["deep.diffuse"]})
+    found, linear = (feasible(image, alike, ENVELOPE, Blend("deep", "ice", how)) for how in (KM, "linear"))
+    assert found.intervals == linear.intervals == ((0.0, 1.0),)
+    assert np.array_equal(found.untouched_outside, linear.untouched_outside)
+    assert found.verdict == linear.verdict
