@@ -7,7 +7,7 @@ centre, or to the nearest point of the gamut.  Neighbours that move differently 
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -69,7 +69,7 @@ def map_pixels(
     palette: Palette,
     gamut: ConvexGamut | UnevenGamut,
     *,
-    towards: Target = "neutral",
+    towards: Target | str = "neutral",
     smoothness: Number = 0.0,
     reference: Reference | None = None,
     progress: bool = True,
@@ -108,6 +108,8 @@ def map_pixels(
     array([0.475, 0.9  ])
     """
     start = time.perf_counter()
+    if towards not in get_args(Target):
+        raise ValueError(f"towards = {towards!r}: there are {', '.join(map(repr, get_args(Target)))}")
     if towards == "nearest" and smoothness:
         raise ValueError("smoothness: the nearest points have no common amount of movement; choose neutral or centre")
     if not 0 <= smoothness < max(system.height, system.width):
@@ -148,7 +150,7 @@ def _towards(
     gamut: ConvexGamut,
     seen: Reflectances,
     outside: Bool[np.ndarray, " pixel"],
-    towards: Target,
+    towards: str,
     smoothness: float,
     progress: bool,
 ) -> Reflectances:

@@ -84,6 +84,8 @@ def test_options_that_do_not_fit_are_refused(globe, gamut):
         map_pixels(*globe, gamut, towards="nearest", smoothness=2)
     with pytest.raises(ValueError, match="size of the image"):
         map_pixels(*globe, gamut, smoothness=-1)
+    with pytest.raises(ValueError, match="towards = 'grey': there are 'neutral', 'centre', 'nearest'"):
+        map_pixels(*globe, gamut, towards="grey")
 
 
 def test_what_happened_is_said(globe):
