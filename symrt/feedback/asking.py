@@ -19,7 +19,7 @@ from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.feedback.solids import Solid, swept
-from symrt.feedback.weighing import Weighed
+from symrt.feedback.weighing import Weighed, check_most
 from symrt.spectra.bands import Number
 
 __all__ = ["darker_than_black", "drawn", "inside_all", "met", "spans_inside_all"]
@@ -69,7 +69,13 @@ def drawn(line: Line, asked: Limits, counted: Weighed, now: Number, most: int, e
     extremes
         Whether half of them are those that are extreme in some direction, as well as drawn evenly; a share of pixels
         can only be told from an even draw.
+
+    Raises
+    ------
+    ValueError
+        If no pixel is to be asked about.
     """
+    check_most(most)
     if asked.solids:
         darker = darker_than_black(line, asked, counted.pixels, now)
         counted = _taken(counted, np.flatnonzero(~darker), "pixels darker than the device's black print as it")

@@ -15,6 +15,7 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import Spectrum
 from symrt.feedback.limits import white_in_every_band
 from symrt.feedback.parameters import material_of
+from symrt.feedback.weighing import check_most
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
@@ -141,7 +142,7 @@ def report(
     Raises
     ------
     ValueError
-        If a gamut is on other bands, or the reference leaves bands dark.
+        If a gamut is on other bands, the reference leaves bands dark, or no pixel is to be asked about.
 
     Examples
     --------
@@ -157,6 +158,7 @@ def report(
     >>> [(verdict.inside, verdict.worst) for verdict in said.verdicts]
     [(1.0, None), (0.5, (1, 0))]
     """
+    check_most(most)
     reference = reference or Reference()
     white = white_in_every_band(system, palette, reference, gamuts)
     objects = np.flatnonzero(system.object_pixels)
@@ -224,11 +226,14 @@ def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndar
         violation=float(answer.violation.max(initial=0)),
         band=band,
         materials={name: float(inside[own].mean()) for name, own in image.materials.items() if own.any()},
-        contented={
-            name: (float((shown & ~inside).mean()), float((~shown & inside).mean())) for name, shown in others.items()
-        },
+        contented={name: (_share(shown & ~inside), _share(~shown & inside)) for name, shown in others.items()},
         seconds=answer.seconds,
     )
+
+
+def _share(pixels: Bool[np.ndarray, " pixel"]) -> float:
+    """The share of the pixels asked about; of none it is 0."""
+    return float(pixels.mean()) if pixels.size else 0.0
 
 
 def _percent(share: float) -> str:

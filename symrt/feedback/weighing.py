@@ -16,7 +16,7 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import did_you_mean
 from symrt.system import LinearSystem
 
-__all__ = ["Weighed", "pixels_of", "weighed"]
+__all__ = ["Weighed", "check_most", "pixels_of", "weighed"]
 
 LARGEST_SUM = 61
 """Weights add up to less than 2⁶², so that no share is off by more than 2⁻⁴³ with half a million pixels."""
@@ -142,6 +142,19 @@ def pixels_of(system: LinearSystem, name: str) -> Mask:
     mask = np.zeros(system.G.shape[0], dtype=bool)
     mask[pixel] = True
     return mask.reshape(system.height, system.width)
+
+
+def check_most(most: int) -> None:
+    """Refuse to ask about no pixels: whatever is said of none is true.
+
+    Examples
+    --------
+    >>> check_most(0)
+    Traceback (most recent call last):
+    ValueError: most = 0: it is how many pixels are asked about, 1 or more
+    """
+    if most < 1:
+        raise ValueError(f"most = {most}: it is how many pixels are asked about, 1 or more")
 
 
 def _names(light: str, met: tuple[str, ...]) -> set[str]:

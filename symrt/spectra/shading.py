@@ -79,7 +79,7 @@ def shade(
     _check_range(system, spectra, np.finfo(dtype))
     values = system.G.astype(dtype, copy=False) @ spectra.astype(dtype, copy=False)
     return SpectralImage(
-        values=values.reshape(system.height, system.width, -1),
+        values=values.reshape(system.height, system.width, spectra.shape[1]),
         bands=palette.bands if vectors is None else coordinates(len(vectors)),
         whites={} if vectors is not None else whites(system, palette),
         cut_off=cut_off,

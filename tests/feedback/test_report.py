@@ -1,8 +1,11 @@
 """A report says what asking each gamut pixel by pixel says, and which pixel is farthest outside."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scenes_for_tests import palettes, small
+from scipy import sparse
 
 import symrt as rt
 from symrt.device import load_device, load_monitor
@@ -78,3 +81,21 @@ def test_other_bands_are_refused(asked):
     other = device_gamut(load_device("dye3-endura-premier", rt.wavelengths(400, 700, 20)), "unit")
     with pytest.raises(ValueError, match="same bands"):
         report(system, palette, [other])
+
+
+def test_a_black_picture_is_inside_every_gamut(asked):
+    system, palette, gamuts, *_ = asked
+    said = report(replace(system, G=sparse.csr_array(system.G.shape)), palette, gamuts)
+    assert (said.asked, said.objects) == (0, 0)
+    assert all((verdict.inside, verdict.worst) == (1.0, None) for verdict in said.verdicts)
+
+
+@pytest.mark.parametrize("most", [0, -5])
+def test_asking_about_no_pixels_proves_nothing_and_is_refused(asked, most):
+    system, palette, gamuts, *_ = asked
+    with pytest.raises(ValueError, match=f"most = {most}: it is how many pixels are asked about, 1 or more"):
+        report(system, palette, gamuts[:1], most=most)
+    with pytest.raises(ValueError, match=f"most = {most}"):
+        rt.feasible(system, palette, gamuts[2], rt.Exposure(), most=most)
+    with pytest.raises(ValueError, match=f"most = {most}"):
+        rt.adapt(system, palette, gamuts[2], [], most=most, progress=False)

@@ -266,3 +266,8 @@ def test_every_light_s_white_comes_with_the_image():
     assert list(image.whites) == ["sun", "sky"]
     np.testing.assert_allclose(image.white, 0.3 * make_palette()["sun"], rtol=1e-15)
     assert shade(make_system(), make_palette(), basis=np.eye(36)).white is None
+
+
+def test_an_image_without_pixels_has_its_bands():
+    empty = LinearSystem(sparse.csr_array((0, len(INTERACTIONS))), INTERACTIONS, 1, 0, {"sun": 0.3})
+    assert shade(empty, make_palette()).values.shape == (1, 0, len(BANDS))

@@ -11,8 +11,9 @@ from jaxtyping import Float, Int
 
 from symrt.device.colorimetry import colour_difference, lab, tristimulus
 from symrt.feedback.limits import white_in_every_band
+from symrt.feedback.weighing import check_most
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -37,8 +38,8 @@ class Appearance:
 
     system: LinearSystem
     palette: Palette
-    gamut: ConvexGamut | InkGamut
-    under: ConvexGamut | InkGamut
+    gamut: ConvexGamut | UnevenGamut
+    under: ConvexGamut | UnevenGamut
     white: Float[np.ndarray, " band"]
     pixels: Pixels
     judged: Judged
@@ -78,9 +79,10 @@ class Appearance:
 
 
 def appearance(
-    system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference, *, most: int
+    system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut, reference: Reference, *, most: int
 ) -> Appearance:
     """The image given, and at most some of its pixels, drawn evenly, to compare colours on."""
+    check_most(most)
     white = white_in_every_band(system, palette, reference, [gamut])
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
