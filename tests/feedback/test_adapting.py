@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from symrt.device import load_device
 from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
-from symrt.gamut import device_gamut
+from symrt.gamut import device_gamut, intersection
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import colour_science, observer, spectrum
 from symrt.spectra.palette import Palette
@@ -170,3 +170,25 @@ def test_bad_questions_are_answered_in_one_line(change, message):
     with pytest.raises(ValueError, match=message) as error:
         adapt(**question)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("model", ["inks", "inks and envelope"])
+def test_what_inks_cannot_reach_is_answered_and_not_refused(model):
+    # Their gamut is not convex: pixels go to the nearest print, and there is no grey to go to.
+    bands = wavelengths(400, 700, 50)
+    device = load_device("dye3-endura-premier", bands)
+    gamut = device_gamut(device, "inks")
+    if model != "inks":
+        gamut = intersection([gamut, device_gamut(device, "envelope")])
+    column = Interaction("sun", ("sea.diffuse",))
+    image = LinearSystem(sparse.csr_array([[0.25], [1.0]]), (column,), 1, 2, {"sun": 0.5})
+    colours = Palette(bands, {"sun": 2, "sea.diffuse": [0.9, 0.1, 0.9, 0.1, 0.9, 0.1, 0.9]})
+    found = adapt(image, colours, gamut, [], most_difference=0.0, map_rest=True, progress=False)
+    assert found.verdict == "not reached"
+    assert next(step.means for step in found.steps if step.mapped).endswith("to the nearest")
+
+
+def test_a_black_picture_is_accepted_as_it_is():
+    black = LinearSystem(sparse.csr_array(MIRRORED.G.shape), MIRRORED.interactions, 12, 16, MIRRORED.white)
+    found = adapt(black, COLOURS, ENVELOPE, FEW, most_difference=0.0, progress=False)
+    assert (found.accepted.means, found.asked) == ("as given", 0)

@@ -24,7 +24,7 @@ from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible, Fit
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut, device_gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -46,7 +46,7 @@ Reflectances = Float[np.ndarray, "pixel band"]
 def adapt(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     scales: Sequence[Scale],
     *,
     least_inside: Number = 1.0,
@@ -156,7 +156,7 @@ class _Work:
             return gamut
         return device_gamut(gamut.devices[0], "envelope") if gamut.devices else None
 
-    def exposed(self, palette: Palette, gamut: ConvexGamut | InkGamut, share: float) -> Feasible:
+    def exposed(self, palette: Palette, gamut: ConvexGamut | UnevenGamut, share: float) -> Feasible:
         """Which exposures of a palette leave no more than a share of the pixels outside a gamut."""
         return feasible(
             self.image.system,
@@ -199,9 +199,15 @@ def _steps(work: _Work, map_rest: bool) -> Iterator[Step]:
         tried.append(ask())
         yield tried[-1]
     if map_rest:
-        targets: tuple[Target, ...] = ("neutral",) if isinstance(work.image.gamut, Gamut) else ("nearest", "neutral")
         for step in _worth_mapping(work.criteria, tried):
-            yield from (_mapped(work, step, towards) for towards in targets)
+            yield from (_mapped(work, step, towards) for towards in _targets(work.image.gamut))
+
+
+def _targets(gamut: ConvexGamut | UnevenGamut) -> tuple[Target, ...]:
+    """Where pixels may go: no straight line leads to a grey in a gamut that is not convex."""
+    if isinstance(gamut, UnevenGamut):
+        return ("nearest",)
+    return ("neutral",) if isinstance(gamut, Gamut) else ("nearest", "neutral")
 
 
 def _worth_mapping(criteria: Criteria, tried: Sequence[Step]) -> list[Step]:

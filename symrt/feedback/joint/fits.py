@@ -24,7 +24,7 @@ from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
 from symrt.feedback.reasons import Fit
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Black, Gamut, device_gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -39,7 +39,7 @@ Pixels = Int[np.ndarray, " _"]
 def fit(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     scales: Sequence[Scale],
     *,
     objective: Goal = "lexicographic",
@@ -192,7 +192,7 @@ def _verdict(outside: bool, acceptable: bool) -> Literal["complete", "rest-only"
     return "rest-only" if outside else "complete"
 
 
-def with_black(gamut: ConvexGamut | InkGamut, black: Black | None) -> ConvexGamut | InkGamut:
+def with_black(gamut: ConvexGamut | UnevenGamut, black: Black | None) -> ConvexGamut | UnevenGamut:
     """The gamut with another way with black, if one is given: only bounds in each band have a choice."""
     if black is None:
         return gamut

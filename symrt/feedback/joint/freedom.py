@@ -32,7 +32,7 @@ from symrt.feedback.parameters import Scale
 from symrt.feedback.ranges import Range, check_share, dark_share, feasible
 from symrt.feedback.reasons import Reason
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Black
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -51,7 +51,7 @@ NOTHING = Solved(np.zeros(0), "global", 0, 0)
 def safe_box(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     scales: Sequence[Scale],
     *,
     within: Range = (0.01, 3.0),
@@ -234,7 +234,7 @@ def _answer(
     )
 
 
-def _separate(task: Task, gamut: ConvexGamut | InkGamut, reference: Reference | None) -> Box:
+def _separate(task: Task, gamut: ConvexGamut | UnevenGamut, reference: Reference | None) -> Box:
     """The range of each scale, all others as given."""
     ranges = {}
     for name in task.symbols:

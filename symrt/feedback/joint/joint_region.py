@@ -24,7 +24,7 @@ from symrt.feedback.reasons import Feasible
 from symrt.feedback.shares import pieces
 from symrt.feedback.weighing import weighed
 from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
+from symrt.gamut.intersections import UnevenGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -42,7 +42,7 @@ NUDGE = 1e-9
 def joint_region(  # noqa: PLR0913  # a public verb names its options
     system: LinearSystem,
     palette: Palette,
-    gamut: ConvexGamut | InkGamut,
+    gamut: ConvexGamut | UnevenGamut,
     one: Parameter,
     other: Parameter,
     *,
@@ -173,7 +173,7 @@ def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen
     return values[(low <= values) & (values <= high)]
 
 
-def _box(plane: Plane, gamut: ConvexGamut | InkGamut, reference: Reference | None) -> SafeBox | None:
+def _box(plane: Plane, gamut: ConvexGamut | UnevenGamut, reference: Reference | None) -> SafeBox | None:
     """The safe box of two scales of different spectra over one range."""
     one, other, within = plane.one, plane.other, plane.within
     if not (isinstance(one, Scale) and isinstance(other, Scale) and within[0] == within[1]):
