@@ -18,6 +18,8 @@ __all__ = ["UNLIMITED", "Cap", "above_one", "grouped", "physical_cap"]
 
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 INWARD = 1 - 2.0**-50
+MOST = 1 + 2.0**-50
+"""Three roundings at most: a sum that is 1 in decimals is not above it."""
 
 
 class Cap(NamedTuple):
@@ -51,7 +53,9 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
             room = np.maximum(1 - rest, 0)
             factors = np.divide(room, rising, out=np.full(len(room), np.inf), where=rising > 0) * INWARD
             band = int(factors.argmin())
-            caps.append(Cap(float(factors[band]), name, palette.bands.labels[band], frozenset(symbols)))
+            # What is physical as given may stay as it is.
+            least = 1.0 if _total(palette, symbols).max() <= MOST else 0.0
+            caps.append(Cap(max(least, float(factors[band])), name, palette.bands.labels[band], frozenset(symbols)))
     return min(caps, key=lambda found: found.value, default=UNLIMITED)
 
 
@@ -64,10 +68,8 @@ def above_one(palette: Palette, moved: Collection[str] | None = None) -> tuple[s
     >>> above_one(Palette(RGB, {"brass.diffuse": 0.7, "brass.specular": 0.4, "sea.diffuse": 1}))
     ('brass',)
     """
-    # Three roundings at most: a sum that is 1 in decimals is not above it.
-    most = 1 + 2.0**-50
     groups = {n: g for n, g in grouped(palette).items() if moved is None or not set(g).isdisjoint(moved)}
-    return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > most)
+    return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > MOST)
 
 
 def grouped(palette: Palette) -> Mapping[str, list[str]]:

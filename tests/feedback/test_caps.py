@@ -48,3 +48,10 @@ def test_a_material_that_is_full_and_moves_in_other_bands_leaves_its_room_there(
     brass = Palette(RGB, {"brass.diffuse": [0.5, 0.0, 0.2], "brass.specular": [0.2, 1.0, 0.2]})
     found = physical_cap(brass, ("brass.diffuse",))
     assert (found.value, found.band) == (pytest.approx(1.6, rel=1e-14), "red")
+
+
+@pytest.mark.parametrize("white", [{"brass.diffuse": 1.0}, {"brass.diffuse": 0.7, "brass.specular": 0.3}])
+def test_what_reflects_all_that_it_receives_may_stay_as_it_is(white):
+    colours = Palette(RGB, white)
+    assert above_one(colours) == ()
+    assert physical_cap(colours, tuple(white)).value == 1.0
