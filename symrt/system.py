@@ -194,8 +194,10 @@ class LinearSystem:
 
     @property
     def object_pixels(self) -> Bool[np.ndarray, " pixel"]:
-        """Pixels in which light reaches something: rows of G that are not empty."""
-        return np.diff(self.G.indptr) > 0
+        """Pixels in which light reaches something: rows of G that are not empty, or all zeros."""
+        if self.G.data.all():
+            return np.diff(self.G.indptr) > 0
+        return np.diff(np.concatenate([[0], np.cumsum(self.G.data != 0)])[self.G.indptr]) > 0
 
     def __repr__(self) -> str:
         kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"

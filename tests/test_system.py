@@ -352,3 +352,9 @@ def test_a_system_names_its_symbols():
     assert system.reflectances == ("brass.mirror", "brass.specular", "sea.diffuse", "sea>ice.diffuse")
     assert system.symbols[:2] == ("sun", "sky")
     np.testing.assert_array_equal(system.object_pixels, (system.G.toarray() != 0).any(axis=1))
+
+
+def test_a_pixel_of_stored_zeros_is_as_dark_as_an_empty_one():
+    stored = sparse.csr_array((np.array([0.0, 0.5, 0.0, 0.0]), np.array([0, 0, 0, 1]), np.array([0, 1, 2, 4, 4])))
+    columns = (Interaction("a", ()), Interaction("b", ()))
+    assert LinearSystem(stored, columns, 1, 4, {"a": 1.0}).object_pixels.tolist() == [False, True, False, False]

@@ -297,3 +297,24 @@ def test_the_answer_reads_like_a_sentence():
     assert "brass × " in text
     assert "modelled" in text
     assert "<table>" in fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, cap=False)._repr_html_()
+
+
+@pytest.mark.parametrize("objective", ["lightest", "closest", "lexicographic"])
+def test_a_range_that_begins_above_what_is_physical_is_refused_with_the_remedy(objective):
+    column = Interaction("key", ("a.diffuse",))
+    image = LinearSystem(sparse.csr_array([[0.1]]), (column,), 1, 1, white={"key": 1.0})
+    colours = Palette(UNIT.bands, {"key": 1.0, "a.diffuse": 0.5})
+    assert not feasible(image, colours, UNIT, Scale("a"), within=(2.5, 3)).intervals
+    with pytest.raises(ValueError, match=r"at 2.5 more would be reflected than received by a: begin lower"):
+        fit(image, colours, UNIT, [Scale("a")], objective=objective, within=(2.5, 3))
+    assert fit(image, colours, UNIT, [Scale("a")], objective=objective, within=(2.5, 3), cap=False).values["a"] >= 2.5
+
+
+def test_a_cap_that_leaves_no_room_is_named():
+    column = Interaction("key", ("a.diffuse",))
+    image = LinearSystem(sparse.csr_array([[0.1]]), (column,), 1, 1, white={"key": 1.0})
+    found = fit(image, Palette(UNIT.bands, {"key": 1.0, "a.diffuse": 1.0}), UNIT, [Scale("a")], within=(1, 3))
+    assert found.reasons["a"].side == "cap"
+    assert "a.diffuse would reflect more" in str(found.reasons["a"]) or "a would reflect more" in str(
+        found.reasons["a"]
+    )

@@ -115,7 +115,9 @@ def _stuck(found: Joint) -> dict[str, Reason]:
         why = reason(line, task.asked, End("upper", int(pixel)), 1.0, task.system.width)
         stuck = {**{found.names[k]: why for k in rows.scales(row)}, **stuck}
     for cap in np.flatnonzero(found.caps.at(found.low)[0] >= -NEARLY):
-        stuck = {**{found.names[k]: Reason("cap") for k in found.caps.scales(int(cap))}, **stuck}
+        names = [found.names[k] for k in found.caps.scales(int(cap))]
+        capped = task.capped({n: v for n, v in values.items() if n not in names}, frozenset(names))
+        stuck = {**dict.fromkeys(names, Reason("cap", band=capped.band, symbol=capped.symbol)), **stuck}
     return stuck
 
 

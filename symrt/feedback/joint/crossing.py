@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from symrt.feedback.along import Along, along, along_ends
 from symrt.feedback.asking import inside_all, spans_inside_all
 from symrt.feedback.bounds import Bound
-from symrt.feedback.caps import INWARD, UNLIMITED, Cap, grouped
+from symrt.feedback.caps import MOST, UNLIMITED, Cap, grouped
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.joint.pairs import given_value
 from symrt.feedback.limits import Limits
@@ -245,7 +245,7 @@ def _caps(plane: Plane, painted: Palette) -> tuple[Cap, Cap]:
         for k in (0, 1)
     )
     bands = len(painted.bands)
-    found = clip_slabs(np.full(bands, -np.inf), np.full(bands, INWARD), first, last - first)
+    found = clip_slabs(np.full(bands, -np.inf), np.full(bands, MOST), first, last - first)
 
     def cap(group: int, value: float) -> Cap:
         at = first[group] + (last[group] - first[group]) * (value if np.isfinite(value) else 0.0)

@@ -217,7 +217,14 @@ def task_of(
                 )
     if not names:
         raise ValueError("no scales to fit: give for example [Scale('sea'), Scale('brass')]")
-    return Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
+    task = Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
+    least = task.painted(dict.fromkeys(names, task.within[0]))
+    if cap and (above := above_one(least, frozenset().union(*symbols.values()))):
+        raise ValueError(
+            f"within = {within}: even at {within[0]:g} more would be reflected than received by {', '.join(above)}: "
+            "begin lower, or let them with cap=False"
+        )
+    return task
 
 
 def certify(final: Along, whole: Along, bound: Bound, pixels: Pixels) -> None:

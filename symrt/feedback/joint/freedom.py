@@ -101,11 +101,11 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     check_share(allowed_dark, "allowed_dark")
+    if within[0] == within[1]:
+        raise ValueError(f"within = {within}: a box needs room, low below high")
     gamut = with_black(gamut, black)
     asked = rising_limits(system, palette, gamut, reference)
     task = task_of(system, palette, asked, scales, within, cap)
-    if task.within[0] == task.within[1]:
-        raise ValueError(f"within = {within}: a box needs room, low below high")
     if task.line({}, frozenset(task.symbols)).signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
     with tqdm(desc="safe box", unit="step", delay=1, leave=False, disable=not progress) as bar:
