@@ -19,7 +19,7 @@ from symrt.arrays import PerPixel, PixelBands
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ROUNDING, Slabs
+from symrt.gamut.interface import ROUNDING, Slabs, check_finite
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 
@@ -83,11 +83,13 @@ class ColorimetricGamut(OfPrinter):
 
     def violation(self, spectra: PixelBands) -> PerPixel:
         """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside, and within rounding of it."""
+        check_finite(spectra, self.bands)
         worst = ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1)
         return np.where(worst <= ROUNDING, 0.0, worst)
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum nearest to each, by root mean square, among those whose colour is inside."""
+        check_finite(spectra, self.bands)
         # In coordinates in which a colour's length is that of the least reflectance with it, nearest is nearest.
         square = self.observer.T @ self.observer
         to_colour = np.linalg.cholesky(square)
@@ -99,6 +101,7 @@ class ColorimetricGamut(OfPrinter):
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product with a spectrum whose colour is inside; ``inf`` unless colour alone decides it."""
+        check_finite(directions, self.bands)
         along = np.linalg.lstsq(self.observer, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.observer.T).max(axis=1)
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)

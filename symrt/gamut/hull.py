@@ -13,6 +13,7 @@ from jaxtyping import Bool
 from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
+from symrt.gamut.interface import check_finite
 from symrt.gamut.mixtures import EXACT, nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
@@ -64,10 +65,12 @@ class HullGamut(OfPrinter):
 
     def distance(self, spectra: PixelBands) -> PerPixel:
         """Root mean square difference from the nearest mixture of prints."""
+        check_finite(spectra, self.bands)
         return np.linalg.norm(spectra - nearest_mixtures(self.device.samples, spectra)[0], axis=1) / self._root
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
         """Whether each spectrum is inside; the boundary is."""
+        check_finite(spectra, self.bands)
         enough = self.tolerance * self._root
         mixtures, _ = nearest_mixtures(self.device.samples, spectra, enough=enough)
         return np.linalg.norm(spectra - mixtures, axis=1) <= enough + EXACT
@@ -79,6 +82,7 @@ class HullGamut(OfPrinter):
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum of the gamut that is nearest to each: at the tolerance from the nearest mixture."""
+        check_finite(spectra, self.bands)
         mixtures, _ = nearest_mixtures(self.device.samples, spectra)
         away = spectra - mixtures
         length, enough = np.linalg.norm(away, axis=1, keepdims=True), self.tolerance * self._root
@@ -87,6 +91,7 @@ class HullGamut(OfPrinter):
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut."""
+        check_finite(directions, self.bands)
         prints = (directions @ self.device.samples.T).max(axis=1)
         return prints + self.tolerance * self._root * np.linalg.norm(directions, axis=1)
 

@@ -12,7 +12,7 @@ from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval, clip_slabs
 from symrt.spectra.bands import Bands
 
-__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "clip", "stacked"]
+__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "check_finite", "clip", "stacked"]
 
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
@@ -129,6 +129,21 @@ class SlabGamut(ConvexGamut, Protocol):
 
     def under(self, white: Spectrum) -> "SlabGamut":
         """The same gamut for reflectances against another white."""
+
+
+def check_finite(spectra: PixelBands, bands: Bands) -> None:
+    """Refuse spectra that are no numbers: nothing is inside or outside then.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> check_finite(np.array([[0.5, np.nan, 0.5]]), RGB)
+    Traceback (most recent call last):
+    ValueError: spectrum 0 is nan at green: give finite numbers
+    """
+    if not np.isfinite(spectra).all():
+        row, band = (int(k) for k in np.argwhere(~np.isfinite(spectra))[0])
+        raise ValueError(f"spectrum {row} is {spectra[row, band]} at {bands.labels[band]}: give finite numbers")
 
 
 def stacked(slabs: Sequence[Slabs], bands: int) -> Slabs:

@@ -18,7 +18,7 @@ from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.device.printing import Device
 from symrt.gamut.alternating import THIN, deep_inside, nearest_to_all
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs
+from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, check_finite
 from symrt.gamut.joining import boxed, clipped_by_all, common_intervals, joined, named
 from symrt.gamut.polyhedra import supports
 from symrt.gamut.recipes import InkGamut
@@ -168,6 +168,7 @@ class SlabIntersection(_Parts):
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum of the gamut that is nearest to each, by root mean square."""
+        check_finite(spectra, self.bands)
         if boxed(self.slabs):
             return np.clip(spectra, self.slabs.lower, self.slabs.upper)
         return _nearest(self, spectra)

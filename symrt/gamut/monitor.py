@@ -17,7 +17,7 @@ from symrt.device.colorimetry import tristimulus
 from symrt.device.monitors import EQUAL_ENERGY, Monitor
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ROUNDING, Slabs
+from symrt.gamut.interface import ROUNDING, Slabs, check_finite
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 
@@ -76,6 +76,7 @@ class MonitorGamut:
 
     def driven(self, spectra: PixelBands) -> Drive:
         """Drive values a of red, green and blue."""
+        check_finite(spectra, self.bands)
         return spectra @ self.drive.T
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
@@ -100,6 +101,7 @@ class MonitorGamut:
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product with a spectrum whose colour is shown; ``inf`` unless colour alone decides it."""
+        check_finite(directions, self.bands)
         along = np.linalg.lstsq(self.drive.T, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.drive).max(axis=1)
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)

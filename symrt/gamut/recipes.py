@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device, Printer
 from symrt.gamut.hull import TOLERANCE
+from symrt.gamut.interface import check_finite
 from symrt.gamut.looking import looked_for
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
@@ -140,6 +141,7 @@ def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
     """
     if device.printer is None:
         raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
+    check_finite(spectra, device.bands)
     amounts = np.zeros((len(spectra), len(device.inks)))
     for first in range(0, len(spectra), CHUNK):
         amounts[first : first + CHUNK] = _sought(device, device.printer, spectra[first : first + CHUNK])

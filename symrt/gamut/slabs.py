@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import Spectrum
 from symrt.device.printing import Device
 from symrt.gamut.clipping import INWARD, Interval, clip_slabs
-from symrt.gamut.interface import Slabs
+from symrt.gamut.interface import Slabs, check_finite
 from symrt.gamut.printed import OfPrinter
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.display import luminance_weights
@@ -100,11 +100,13 @@ class Gamut(OfPrinter):
 
     def contains(self, spectra: Spectra) -> Bool[np.ndarray, " pixel"]:
         """Whether each spectrum is inside; the boundary is."""
+        check_finite(spectra, self.bands)
         inside = np.all((self.lower <= spectra) & (spectra <= self.upper), axis=1)
         return inside if self.weights is None else inside & (spectra @ self.weights >= self.blackest)
 
     def violation(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
         """How far each spectrum is outside in its worst band, or in luminance; 0 inside."""
+        check_finite(spectra, self.bands)
         worst = np.maximum(self.lower - spectra, spectra - self.upper).max(axis=1).clip(min=0.0)
         return worst if self.weights is None else np.maximum(worst, self.blackest - spectra @ self.weights)
 
@@ -124,6 +126,7 @@ class Gamut(OfPrinter):
         With a bound on luminance it is the least of ``h(d + μ y) − μ Y_black`` over μ >= 0, h the support of the box;
         that is convex and bends only where a component of ``d + μ y`` changes sign.
         """
+        check_finite(directions, self.bands)
         if self.weights is None:
             return self._box_support(directions)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -136,6 +139,7 @@ class Gamut(OfPrinter):
 
     def nearest(self, spectra: Spectra) -> Spectra:
         """The spectrum of the gamut that is nearest to each, by root mean square."""
+        check_finite(spectra, self.bands)
         boxed = np.clip(spectra, self.lower, self.upper)
         if self.weights is None:
             return boxed

@@ -156,3 +156,12 @@ def test_the_support_is_beyond_everything_inside_and_reached(gamut, spectra, nam
     # Of a point very far away the nearest is one that goes farthest in its direction.
     reached = gamut.nearest(1e4 * directions / np.linalg.norm(directions, axis=1, keepdims=True))
     np.testing.assert_allclose(np.sum(reached * directions, axis=1), support, rtol=5e-3, atol=5e-3)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_neither_inside_nor_outside(gamut, value):
+    spectra = np.full((2, len(gamut.bands)), 0.4)
+    spectra[1, -1] = value
+    for ask in (gamut.contains, gamut.violation, gamut.nearest):
+        with pytest.raises(ValueError, match=rf"spectrum \d is {value} at {gamut.bands.labels[-1]}"):
+            ask(spectra)
