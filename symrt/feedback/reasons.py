@@ -84,7 +84,8 @@ class Feasible:
     untouched_outside
         Pixels that are outside and do not depend on the parameter.
     unfixable
-        Pixels that depend on it, and that no value in the range brings inside.
+        Pixels that depend on it, and that no value in the range certainly brings inside: what rounding cannot tell
+        from outside, because it lies exactly on a bound, is among them.
     dark
         Share of the object pixels that are darker than the device's black with the palette given.
     objects
