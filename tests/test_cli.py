@@ -392,6 +392,8 @@ def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, s
         "--no-cap",
         "--out",
         "light.png",
+        "--plot",
+        "fit.png",
         "--json",
     ]
     record = json.loads(run(*words)[1])
@@ -402,6 +404,7 @@ def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, s
     assert record["verdict"] == expected.verdict
     rt.save_image("same.png", rt.shade(system, expected.palette))
     assert (tmp_path / "light.png").read_bytes() == (tmp_path / "same.png").read_bytes()
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
 
 
 def test_fit_takes_every_objective_and_the_least_luminance(run, system):

@@ -43,7 +43,12 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
-    from symrt.explore.tables import box_record, feasible_record, region_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.explore.tables import (  # noqa: PLC0415  # slow, and --help does not need it
+        box_record,
+        feasible_record,
+        ranges_table,
+        region_record,
+    )
 
     if together and (plot is not None or allowed_out or of is not None):
         raise ValueError("--together gives one box for all pixels: leave out --plot, --allowed-out and --of")
@@ -74,7 +79,8 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, limits, seen)
     answers = [feasible_record(one) for one in found]
-    typer.echo(json_text(answers) if as_json else "\n\n".join(map(repr, found)))
+    table = [ranges_table(found)] if len(found) > 1 else []
+    typer.echo(json_text(answers) if as_json else "\n\n".join([*table, *map(repr, found)]))
 
 
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
@@ -94,6 +100,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     reference: option.Reference = None,
     exposure: option.Exposure = 1.0,
     size: option.Size = None,
+    plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
     """The lightest, darkest, closest … picture it can print, whatever the order of the scales.
@@ -104,6 +111,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 
     if out is not None:
         writable(out, *option.PICTURES)
+    if plot is not None:
+        writable(plot, ".png")
     scales = [scale_of(word) for word in parameter]
     spectra = palette_of(source, palettes, palette)
     limits = gamut_of(device, model, black, spectra.bands)
@@ -114,6 +123,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     found = rt.fit(system, spectra, limits, scales, **options)
     if out is not None:
         _save(out, rt.shade(system, found.palette), seen, system, spectra)
+    if plot is not None:
+        draw(plot, "fit_figure", found, system, spectra, seen)
     typer.echo(json_text(fit_record(found)) if as_json else repr(found))
 
 

@@ -90,7 +90,13 @@ def figures(gamut, palette, system, ranges, region):
         "map": plots.out_of_gamut_map(system, plain(), gamut),
         "curve": plots.curve_figure(ranges[0]),
         "region": plots.joint_region_figure(region, system, plain(), rt.Reference(exposure=0.5)),
+        "fit": plots.fit_figure(fitted(system, gamut), system, plain()),
     }
+
+
+def fitted(system, gamut):
+    scales = [rt.Scale(name) for name in ("red.diffuse", "red.specular", "sun")]
+    return rt.fit(system, plain(), gamut, scales, objective="lightest", cap=False)
 
 
 def test_the_part_drawn_inside_is_what_clipping_in_all_bands_says(gamut, palette, scaled):
@@ -302,3 +308,16 @@ def test_figures_leave_matplotlibs_global_state_alone(gamut, palette):
     assert dict(mpl.rcParams) == before
     assert plt.get_fignums() == []
     assert rt.plots is plots
+
+
+def test_a_fit_is_drawn_with_its_factors_its_reasons_and_both_pictures_under_one_white(system, gamut):
+    found = fitted(system, gamut)
+    figure = plots.fit_figure(found, system, plain())
+    words = " ".join(text for text, _ in texts(figure)).replace("\n", " ")
+    for name, value in found.values.items():
+        assert f"{name}  × {value:.3g}" in words
+        assert str(found.reasons[name]) in words
+    given, after = (axes.images[0].get_array() for axes in figure.axes[:2])
+    white = rt.Reference().white(system, plain())
+    assert np.array_equal(given, rt.preview(system, plain()))
+    assert np.array_equal(after, rt.preview(system, found.palette, white=white))

@@ -7,6 +7,7 @@ show it.  Matplotlib is imported nowhere else.
 from symrt.explore.plots.basis import basis_figure
 from symrt.explore.plots.bodies import body_figure, colours_figure, prints_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
+from symrt.explore.plots.fits import fit_figure
 from symrt.explore.plots.gamut import gamut_figure, solids_figure
 from symrt.explore.plots.region import joint_region_figure
 from symrt.explore.plots.style import png
@@ -16,6 +17,7 @@ __all__ = [
     "body_figure",
     "colours_figure",
     "curve_figure",
+    "fit_figure",
     "gamut_figure",
     "joint_region_figure",
     "out_of_gamut_map",

@@ -1,0 +1,99 @@
+"""What a fit did: the picture before and after, each scale's factor, and what stopped it (step 5 of the paper)."""
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, wrapped
+from symrt.feedback.reasons import Fit
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.spectra.shading import preview
+from symrt.system import LinearSystem
+
+__all__ = ["fit_figure"]
+
+WIDTH, PICTURE, ROW = 13.0, 3.4, 0.52
+"""Inches: of the figure, of a picture in it, and the height of one scale's row."""
+LETTERS = 46
+"""In a line of a reason."""
+
+
+def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
+    """The picture given and the one that was fitted, against the same white, and the factor of every scale.
+
+    Parameters
+    ----------
+    found
+        From `fit`, of this system and palette.
+    reference
+        The white and the exposure that it was asked with.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.device import load_device
+    >>> from symrt.feedback import Scale, fit
+    >>> from symrt.gamut import device_gamut
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
+    >>> found = fit(system, palette, device_gamut(device, "envelope"), [Scale("sea")])
+    >>> fit_figure(found, system, palette).get_suptitle()
+    'The lexicographic picture inside the gamut'
+    """
+    reference = reference or Reference()
+    white = reference.white(system, palette)
+    tall = min(PICTURE, PICTURE * system.height / system.width)
+    body = max(tall, ROW * len(found.values))
+    height = body + 1.9
+    figure = Drawing(figsize=(WIDTH, height), facecolor="white")
+    headline(figure, f"The {found.objective} picture inside the gamut")
+    for k, (name, colours) in enumerate((("given", palette), ("fitted", found.palette))):
+        left = (0.25 + k * (PICTURE + 0.15)) / WIDTH
+        axes = figure.add_axes((left, (height - 0.8 - tall) / height, PICTURE / WIDTH, tall / height))
+        axes.imshow(preview(system, colours, reference.exposure, white=white), interpolation="nearest")
+        axes.set_title(name, fontsize=10, color=INK, loc="left")
+        axes.set(xticks=[], yticks=[])
+        axes.set_axis_off()
+    bars = figure.add_axes((0.635, (height - 0.8 - body) / height, 0.13, body / height))
+    _draw_factors(bars, found)
+    _write_reasons(figure, bars, found)
+    text = (
+        f"Bars: factors of the scales (dashed: as given), and what stopped them. {found.share_out:.2%} of the object "
+        f"pixels are outside ({found.verdict}), and {found.luminance:.1%} of the mean luminance is kept. {found.note}."
+    )
+    caption(figure, wrapped(text, 185))
+    return figure
+
+
+def _draw_factors(axes: Axes, found: Fit) -> None:
+    left = max(found.within[0], 0.01)
+    for row, value in enumerate(found.values.values()):
+        shown = max(value, left)
+        colour = FEASIBLE if value >= 1 else BELOW
+        axes.barh(row, abs(shown - 1), left=min(shown, 1.0), height=0.45, color=colour, zorder=2)
+        axes.plot(shown, row, marker="|", ms=12, color=INK, zorder=3)
+    axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=1)
+    span = [*(max(value, left) for value in found.values.values()), 0.8, 1.25]
+    axes.set(xscale="log", xlim=(min(span) / 1.2, 1.2 * max(span)), ylim=(len(found.values) - 0.5, -0.5))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.set_yticks(range(len(found.values)), [f"{name}  × {v:.3g}" for name, v in found.values.items()], fontsize=9)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.tick_params(axis="y", length=0)
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.set_xlabel("factor", fontsize=9)
+
+
+def _write_reasons(figure: Figure, axes: Axes, found: Fit) -> None:
+    """What stopped each scale, beside its bar."""
+    box, count = axes.get_position(), len(found.values)
+    for row, name in enumerate(found.values):
+        y = box.y1 - (row + 0.5) * box.height / count
+        text: dict[str, Any] = {"va": "center", "fontsize": 7.5, "color": INK, "linespacing": 1.2}
+        figure.text(box.x1 + 0.01, y, wrapped(str(found.reasons[name]), LETTERS), **text)
