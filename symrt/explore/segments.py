@@ -2,19 +2,19 @@
 
 A perfect white that faces the reference light has reflectance 1, and a material in its place has its own reflectance r.
 Scaling the material moves it along ``t r``, blending two moves it along ``(1 − t) a + t b``: lines through the gamut,
-whose part inside *all* bands is found by `symrt.feedback.clip`, whatever few components are drawn.
+which the gamut clips as a whole, in all bands, whatever few components are drawn.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
-from symrt.gamut.interface import clip
-from symrt.gamut.slabs import Gamut
+from symrt.gamut.interface import ConvexGamut, SlabGamut, clip
+from symrt.gamut.intersections import UnevenGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.display import display_matrix, encode
 from symrt.spectra.palette import Palette
@@ -22,6 +22,8 @@ from symrt.spectra.palette import Palette
 __all__ = ["Segment", "blend_segments", "diffuse_materials", "scale_segments"]
 
 Span = tuple[Number, Number]
+Stop = tuple[str | None, str | None]
+Spectra = Float[np.ndarray, "segment band"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +39,17 @@ class Segment:
     within
         The values of t looked at.
     inside
-        Those of them that are inside in every band; None if none is.
+        Those of them that the gamut holds, in rising order: one interval at most if it is convex.
+    stops
+        What ends each interval below and above: a band or another bound of the gamut.  None where `within` ends, or
+        the gamut has no bounds to name.
     colours
         In encoded sRGB, at t = 0 and t = 1; one colour for a scaled material.
 
     Examples
     --------
-    >>> grey = Segment(("grey",), np.zeros(2), np.ones(2), (0.0, 3.0), (0.0, 1.0), np.full((2, 3), 0.7))
+    >>> half = ((0.0, 1.0),), ((None, "560 nm"),)
+    >>> grey = Segment(("grey",), np.zeros(2), np.ones(2), (0.0, 3.0), *half, np.full((2, 3), 0.7))
     >>> grey.at(0.5).tolist(), grey.outside
     ([0.5, 0.5], ((1.0, 3.0),))
     """
@@ -52,7 +58,8 @@ class Segment:
     origin: Spectrum
     direction: Spectrum
     within: Span
-    inside: Span | None
+    inside: tuple[Span, ...]
+    stops: tuple[Stop, ...]
     colours: Float[np.ndarray, "2 3"]
 
     def at(self, t: Number) -> Spectrum:
@@ -61,11 +68,9 @@ class Segment:
 
     @property
     def outside(self) -> tuple[Span, ...]:
-        """The rest of `within`: at most one stretch on either side."""
-        if self.inside is None:
-            return (self.within,)
-        ends = ((self.within[0], self.inside[0]), (self.inside[1], self.within[1]))
-        return tuple((low, high) for low, high in ends if low < high)
+        """The rest of `within`."""
+        ends = (self.within[0], *(end for span in self.inside for end in span), self.within[1])
+        return tuple((low, high) for low, high in list(pairwise(ends))[::2] if low < high)
 
 
 def diffuse_materials(palette: Palette) -> tuple[str, ...]:
@@ -81,7 +86,7 @@ def diffuse_materials(palette: Palette) -> tuple[str, ...]:
 
 
 def scale_segments(
-    gamut: Gamut,
+    gamut: ConvexGamut | UnevenGamut,
     palette: Palette,
     materials: Sequence[str],
     white: Spectrum,
@@ -103,21 +108,25 @@ def scale_segments(
     >>> from symrt.gamut.slabs import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> grey = Palette(gamut.bands, {"grey.diffuse": 0.5})
-    >>> low, high = scale_segments(gamut, grey, ["grey"], np.ones(36))[0].inside
+    >>> ((low, high),) = scale_segments(gamut, grey, ["grey"], np.ones(36))[0].inside
     >>> low, round(high, 12)
     (0.01, 2.0)
     """
     spectra = exposure * _diffuse(palette, materials)
     colours = _colours(spectra, palette, white)
-    inside = _inside(gamut, np.zeros_like(spectra), spectra, within)
+    parts = _parts(gamut.under(white), np.zeros_like(spectra), spectra, within)
     return tuple(
-        Segment((name,), np.zeros_like(r), r, within, part, np.array([colour, colour]))
-        for name, r, part, colour in zip(materials, spectra, inside, colours, strict=True)
+        Segment((name,), np.zeros_like(r), r, within, *part, np.array([colour, colour]))
+        for name, r, part, colour in zip(materials, spectra, parts, colours, strict=True)
     )
 
 
 def blend_segments(
-    gamut: Gamut, palette: Palette, materials: Sequence[str], white: Spectrum, exposure: Number = 1.0
+    gamut: ConvexGamut | UnevenGamut,
+    palette: Palette,
+    materials: Sequence[str],
+    white: Spectrum,
+    exposure: Number = 1.0,
 ) -> tuple[Segment, ...]:
     """The segment from each material to each other one, t from 0 to 1.
 
@@ -128,7 +137,7 @@ def blend_segments(
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> greys = Palette(gamut.bands, {"dark.diffuse": 0.1, "light.diffuse": 0.5})
     >>> [(s.names, s.inside) for s in blend_segments(gamut, greys, ["dark", "light"], np.ones(36))]
-    [(('dark', 'light'), (0.0, 1.0))]
+    [(('dark', 'light'), ((0.0, 1.0),))]
     """
     spectra = exposure * _diffuse(palette, materials)
     colours = _colours(spectra, palette, white)
@@ -137,10 +146,10 @@ def blend_segments(
         return ()
     first, second = (list(index) for index in zip(*pairs, strict=True))
     origin, direction = spectra[first], spectra[second] - spectra[first]
-    inside = _inside(gamut, origin, direction, (0.0, 1.0))
+    parts = _parts(gamut.under(white), origin, direction, (0.0, 1.0))
     return tuple(
-        Segment((materials[a], materials[b]), o, d, (0.0, 1.0), part, colours[[a, b]])
-        for (a, b), o, d, part in zip(pairs, origin, direction, inside, strict=True)
+        Segment((materials[a], materials[b]), o, d, (0.0, 1.0), *part, colours[[a, b]])
+        for (a, b), o, d, part in zip(pairs, origin, direction, parts, strict=True)
     )
 
 
@@ -149,15 +158,33 @@ def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "m
     return np.array(spectra).reshape(-1, len(palette.bands))
 
 
-def _inside(
-    gamut: Gamut,
-    origin: Float[np.ndarray, "segment band"],
-    direction: Float[np.ndarray, "segment band"],
-    within: Span,
-) -> list[Span | None]:
+def _parts(
+    gamut: ConvexGamut | UnevenGamut, origin: Spectra, direction: Spectra, within: Span
+) -> list[tuple[tuple[Span, ...], tuple[Stop, ...]]]:
+    """Of each line the intervals inside, and what ends them."""
+    if isinstance(gamut, UnevenGamut):
+        return [(tuple(line), ((None, None),) * len(line)) for line in gamut.clip(origin, direction, within)]
     interval = clip(gamut, origin, direction)
     low, high = np.maximum(interval.low, within[0]), np.minimum(interval.high, within[1])
-    return [(a, b) if a <= b else None for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+    below, above = (_stopped(gamut, origin, direction, ends) for ends in (interval.low, interval.high))
+    return [
+        (((a, b),), ((first if a > within[0] else None, last if b < within[1] else None),)) if a <= b else ((), ())
+        for a, b, first, last in zip(low.tolist(), high.tolist(), below, above, strict=True)
+    ]
+
+
+def _stopped(
+    gamut: ConvexGamut, origin: Spectra, direction: Spectra, ends: Float[np.ndarray, " segment"]
+) -> list[str | None]:
+    """The bound that each line meets at its end: of those that it crosses, the nearest."""
+    if not isinstance(gamut, SlabGamut):
+        return [None] * len(ends)
+    slabs, known = gamut.slabs, np.isfinite(ends)
+    rate = direction @ slabs.matrix
+    place = origin @ slabs.matrix + np.where(known, ends, 0.0)[:, None] * rate
+    room = np.minimum(slabs.upper - place, place - slabs.lower)
+    nearest = np.where(rate != 0, room, np.inf).argmin(axis=1)
+    return [slabs.words[k] if ok else None for k, ok in zip(nearest.tolist(), known.tolist(), strict=True)]
 
 
 def _colours(

@@ -1,8 +1,7 @@
 """What figures show is what the numbers say: Figure 1 of the paper, feasible ranges and their reasons."""
 
 from dataclasses import replace
-from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import imageio.v3 as imageio
 import matplotlib as mpl
@@ -18,7 +17,7 @@ import symrt as rt
 from symrt.explore import plots
 from symrt.explore.plots.feedback import _binding, _outside
 from symrt.explore.plots.region import _stops
-from symrt.explore.segments import blend_segments, diffuse_materials, scale_segments
+from symrt.explore.segments import diffuse_materials, scale_segments
 from symrt.explore.solid import View, facets, facing, outline, spread
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved
@@ -34,16 +33,6 @@ def gamut():
 @pytest.fixture(scope="module")
 def palette():
     return rt.load_palettes("globe")["macbeth"]
-
-
-@pytest.fixture(scope="module")
-def scaled(gamut, palette):
-    return scale_segments(gamut, palette, diffuse_materials(palette), palette["key"], WITHIN)
-
-
-@pytest.fixture(scope="module")
-def blended(gamut, palette):
-    return blend_segments(gamut, palette, diffuse_materials(palette), palette["key"])
 
 
 @pytest.fixture(scope="module")
@@ -97,38 +86,6 @@ def figures(gamut, palette, system, ranges, region):
 def fitted(system, gamut):
     scales = [rt.Scale(name) for name in ("red.diffuse", "red.specular", "sun")]
     return rt.fit(system, plain(), gamut, scales, objective="lightest", cap=False)
-
-
-def test_the_part_drawn_inside_is_what_clipping_in_all_bands_says(gamut, palette, scaled):
-    # Paper §5: the paired planes that construct the gamut are the clipping planes.
-    for segment in scaled:
-        r = palette[f"{segment.names[0]}.diffuse"].tolist()
-        exact = min(Fraction(high) / Fraction(x) for high, x in zip(gamut.upper.tolist(), r, strict=True) if x)
-        low, high = segment.inside
-        assert (low, Fraction(high) <= min(exact, Fraction(WITHIN[1]))) == (WITHIN[0], True)
-        assert high == pytest.approx(min(float(exact), WITHIN[1]), rel=1e-12)
-
-
-def test_the_parts_of_a_segment_are_all_of_it_and_those_outside_are_outside(gamut, scaled, blended):
-    for segment in (*scaled, *blended):
-        parts = sorted([*segment.outside, *([segment.inside] if segment.inside else [])])
-        assert [parts[0][0], parts[-1][1]] == list(segment.within)
-        assert all(a[1] == b[0] for a, b in pairwise(parts))
-        for low, high in segment.outside:
-            assert not gamut.contains(segment.at((low + high) / 2)[None])[0]
-        if segment.inside:
-            assert gamut.contains(np.array([segment.at(t) for t in np.linspace(*segment.inside, 5)[1:-1]])).all()
-
-
-def test_every_segment_inside_the_gamut_is_drawn_inside_the_shadow(gamut, scaled, blended):
-    vectors, view = gamut.basis.vectors[:3], View()
-    sides = facets(gamut.shadow(3).polyhedron())
-    planes = ConvexHull(outline(sides, view)).equations
-    for segment in (*scaled, *blended):
-        if segment.inside:
-            points = np.array([segment.at(t) for t in np.linspace(*segment.inside, 9)]) @ vectors.T
-            assert all(((points - side.corners[0]) @ side.normal).max() < 1e-9 for side in sides)
-            assert (planes[:, :2] @ view.project(points).T + planes[:, 2:]).max() < 1e-9
 
 
 def test_whatever_a_device_prints_is_drawn_inside_the_shadow(gamut):

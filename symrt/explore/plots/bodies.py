@@ -6,11 +6,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from symrt.device.colorimetry import VISIBLE, lab, tristimulus
+from symrt.explore.body import body_of
 from symrt.explore.plots.gamut import device_text, solids_figure
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, wrapped
 from symrt.explore.solid import View
-from symrt.gamut.basis import uniform_first
 from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.hull import HullGamut
@@ -18,7 +18,7 @@ from symrt.gamut.intersections import AnyIntersection, SlabIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut, device_gamut
-from symrt.gamut.views import Shadow, convex_solid
+from symrt.gamut.views import convex_solid
 from symrt.spectra.display import display_matrix, encode
 from symrt.spectra.library import spectrum
 
@@ -59,19 +59,13 @@ def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
 
 def intersection_figure(gamut: SlabIntersection) -> Drawing:
     """The shadow of what lies within the bounds of several devices, and that of the first of them alone."""
-    slabs, first = gamut.slabs, gamut.devices[0]
-    single = slabs.bands >= 0
-    paper = Paper(View(), uniform_first(first.samples).vectors[:3])
-    lower, upper = np.empty(len(gamut.bands)), np.empty(len(gamut.bands))
-    lower[slabs.bands[single]], upper[slabs.bands[single]] = slabs.lower[single], slabs.upper[single]
-    whole = gamut.parts[0].slabs
-    own = whole.bands >= 0
-    shadows = [Shadow(paper.vectors, lower, upper), Shadow(paper.vectors, whole.lower[own], whole.upper[own])]
+    first = gamut.devices[0]
+    shared, own = body_of(gamut), body_of(gamut.parts[0])
+    paper = Paper(View(), shared.vectors)
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, f"Spectral gamut, 3 of {len(gamut.bands)} components: what {len(gamut.parts)} gamuts share")
     titles = "What they share", f"Shadow of {gamut.parts[0].name}"
-    for side, (shadow, title) in enumerate(zip(shadows, titles, strict=True)):
-        solid = shadow.polyhedron()
+    for side, (solid, title) in enumerate(zip((shared.solid, own.solid), titles, strict=True)):
         panel_title(panel(figure, solid, paper, side), "ab"[side], f"{title}: volume {solid.volume:.3g}")
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     devices = " ".join(device_text(device) for device in gamut.devices)
@@ -82,9 +76,9 @@ def intersection_figure(gamut: SlabIntersection) -> Drawing:
 def prints_figure(gamut: HullGamut | InkGamut) -> Drawing:
     """The prints of a device in three components, alone and in the shadow of its envelope."""
     device = gamut.device
-    paper = Paper(View(), uniform_first(device.samples).vectors[:3])
-    places, shadow = device.samples @ paper.vectors.T, device_gamut(device, "envelope").shadow(3).polyhedron()
-    mixed = convex_solid(places)
+    whole, mixed = body_of(device_gamut(device, "envelope")), body_of(gamut).solid
+    paper, shadow = Paper(View(), whole.vectors), whole.solid
+    places = device.samples @ paper.vectors.T
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, f"Prints, 3 of {len(device.bands)} components: {gamut.name}")
     colours = encode(device.samples @ display_matrix(device.bands, np.ones(len(device.bands))))

@@ -1,7 +1,7 @@
 """The gamut and the segments of materials in it: Figure 1 of the paper.
 
-The body is the gamut's shadow, so that nothing inside is ever drawn outside it; what is inside was decided in every
-band, whatever three components are drawn.
+The body is a shadow, so that what is inside is drawn inside it, but for a hull's tolerance; what is inside was decided
+by the whole gamut, whatever three components are drawn.
 """
 
 import math
@@ -16,12 +16,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symrt.device.printing import Device
+from symrt.explore.body import body_of
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
 from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
 from symrt.explore.solid import View, facets, spread
+from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
+from symrt.spectra.display import white_among
 from symrt.spectra.palette import Palette
 
 __all__ = ["device_text", "gamut_figure", "solids_figure"]
@@ -37,7 +41,7 @@ Place = tuple[float, float]
 
 
 def gamut_figure(
-    gamut: Gamut,
+    gamut: AnyGamut | AnyIntersection,
     palette: Palette,
     materials: Sequence[str] | None = None,
     *,
@@ -46,16 +50,19 @@ def gamut_figure(
     exposure: Number = 1.0,
     components: tuple[int, int, int] = (0, 1, 2),
 ) -> Drawing:
-    """The gamut's shadow in three components, with segments of scaled and of blended materials: the paper's Figure 1.
+    """The gamut's body in three components, with segments of scaled and of blended materials: the paper's Figure 1.
 
     Parameters
     ----------
+    gamut
+        A printer's, of any model, or what several share: `body_of` says which body is drawn.
     palette
         Gives each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
     materials
         Which ones; all that have a diffuse reflectance if not given.
     light
-        The reference light, which colours are seen under; the palette's first if not given.
+        The reference light, which colours are seen under: one of the palette's, the first that shines if not given,
+        or ``"equal-energy"`` or an illuminant.
     within
         The scales looked at.
     components
@@ -71,13 +78,13 @@ def gamut_figure(
     'Spectral gamut, 3 of 36 components: envelope of dye3-endura-premier, black clipped'
     """
     materials = list(diffuse_materials(palette) if materials is None else materials)
-    light = palette.lights[0] if light is None else light
-    scaled = scale_segments(gamut, palette, materials, palette[light], within, exposure)
-    blended = blend_segments(gamut, palette, materials, palette[light], exposure)
+    shining = {name: palette[name] for name in palette.lights if palette[name].any()}
+    white, body = white_among(shining, light, palette.bands), body_of(gamut, components)
+    scaled = scale_segments(gamut, palette, materials, white, within, exposure)
+    blended = blend_segments(gamut, palette, materials, white, exposure)
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(gamut))
-    shadow = gamut.shadow(components)
-    paper, solid = Paper(View(), shadow.vectors, components), shadow.polyhedron()
+    paper, solid = Paper(View(), body.vectors, components), body.solid
     left, right = (panel(figure, solid, paper, side) for side in (0, 1))
     for axes, segments, width in ((left, scaled, 3.4), (right, blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
@@ -92,7 +99,8 @@ def gamut_figure(
     panel_title(right, "b", _blends_title(blended))
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     _legend(figure)
-    caption(figure, _segments_caption(gamut, light, exposure, components))
+    shown = light or next(iter(shining))
+    caption(figure, _segments_caption(gamut, body.what, shown, exposure, components))
     return figure
 
 
@@ -119,22 +127,25 @@ def solids_figure(gamut: Gamut) -> Drawing:
     return figure
 
 
-def _title(gamut: Gamut) -> str:
+def _title(gamut: AnyGamut | AnyIntersection) -> str:
     return f"Spectral gamut, 3 of {len(gamut.bands)} components: {gamut.name}"
 
 
-def _segments_caption(gamut: Gamut, light: str, exposure: Number, components: tuple[int, int, int]) -> str:
+def _segments_caption(
+    gamut: AnyGamut | AnyIntersection, what: str, light: str, exposure: Number, components: tuple[int, int, int]
+) -> str:
     first, second, third = (f"c{i} (the neutral axis)" if i == 0 else f"c{i}" for i in components)
     text = (
-        f"Body: shadow (projection) of the gamut on {first}, {second} and {third}. Materials: diffuse reflectance "
-        f"facing the reference light, {light}; exposure {exposure:g}. Clipped in all {len(gamut.bands)} bands, so that "
-        "a segment may leave the gamut where its shadow still covers it; no physical cap. "
+        f"Body: {what} on {first}, {second} and {third}. Materials: diffuse reflectance facing the reference light, "
+        f"{light}; exposure {exposure:g}. Clipped by the whole gamut, not by the three components drawn, so that a "
+        "segment may end inside the body; no physical cap. "
     )
     return wrapped(text + _inside_text(gamut), 175)
 
 
-def _inside_text(gamut: Gamut) -> str:
-    return f"{device_text(gamut.device)} Being inside is {gamut.label}, not sufficient."
+def _inside_text(gamut: AnyGamut | AnyIntersection) -> str:
+    only = ", not sufficient" if isinstance(gamut, Gamut) else ""
+    return f"{' '.join(map(device_text, gamut.devices))} Being inside is {gamut.label}{only}."
 
 
 def device_text(device: Device) -> str:
@@ -146,8 +157,8 @@ def device_text(device: Device) -> str:
 
 
 def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, order: float) -> None:
-    if segment.inside is not None:
-        points, colours = _pieces(segment, segment.inside, paper)
+    for part in segment.inside:
+        points, colours = _pieces(segment, part, paper)
         axes.plot(*points.T, color=INK, lw=width + 1.1, solid_capstyle="round", zorder=order)
         pieces = np.stack([points[:-1], points[1:]], axis=1)
         axes.add_collection(
@@ -161,9 +172,8 @@ def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, orde
 
 
 def _length(segment: Segment, paper: Paper) -> float:
-    """Of the part inside, on paper."""
-    ends = segment.inside or (0.0, 0.0)
-    return math.dist(*(_place(segment, t, paper) for t in ends))
+    """Of what is inside, on paper."""
+    return sum(math.dist(*(_place(segment, t, paper) for t in part)) for part in segment.inside)
 
 
 def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[np.ndarray, "piece 3"]]:
@@ -175,11 +185,12 @@ def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[n
 
 def _scale_label(segment: Segment, paper: Paper) -> tuple[str, Place]:
     name, first = segment.names[0], segment.within[0]
-    if segment.inside is None:
+    if not segment.inside:
         return f"{name}: none", _place(segment, first, paper)
-    low, high = segment.inside
-    part = "all" if segment.inside == segment.within else f"≤ {high:.2f}" if low == first else f"{low:.2f} … {high:.2f}"
-    return f"{name}: {part}", _place(segment, high, paper)
+    if segment.inside == (segment.within,):
+        return f"{name}: all", _place(segment, segment.within[1], paper)
+    spans = [f"≤ {high:.2f}" if low == first else f"{low:.2f} … {high:.2f}" for low, high in segment.inside]
+    return f"{name}: {', '.join(spans)}", _place(segment, segment.inside[-1][1], paper)
 
 
 def _place(segment: Segment, t: Number, paper: Paper) -> Place:
@@ -200,14 +211,14 @@ def _label(axes: Axes, labels: list[tuple[str, Place]]) -> None:
 
 
 def _blends_title(segments: Sequence[Segment]) -> str:
-    whole = sum(segment.inside == segment.within for segment in segments)
+    whole = sum(segment.inside == (segment.within,) for segment in segments)
     return f"Blends of two materials: {whole} of {len(segments)} wholly inside"
 
 
 def _legend(figure: Figure) -> None:
-    inside = Line2D([], [], color=GREY, lw=3.4, solid_capstyle="round", label="inside in every band")
+    inside = Line2D([], [], color=GREY, lw=3.4, solid_capstyle="round", label="inside the gamut")
     given = Line2D([], [], **GIVEN, label="as given (scale 1)")
-    outside = Line2D([], [], color=GREY, lw=1.3, ls=(0, (4, 2)), label="outside in some band")
+    outside = Line2D([], [], color=GREY, lw=1.3, ls=(0, (4, 2)), label="outside")
     figure.legend(
         handles=[inside, outside, given],
         loc="lower left",
