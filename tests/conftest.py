@@ -1,6 +1,7 @@
 """What every test shares: laws are drawn the same way each time in CI, and nothing is left out there."""
 
 import os
+from dataclasses import replace
 
 import pytest
 from hypothesis import settings
@@ -25,3 +26,33 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if IN_CI and MISSING and session.exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
         session.config.get_terminal_writer().line(f"skipped in CI for want of a package: {', '.join(MISSING)}")
+
+
+@pytest.fixture
+def run(capsys, monkeypatch, tmp_path):
+    """The command line, in a folder of its own: exit code, standard output and standard error."""
+    from symrt import cli  # noqa: PLC0415  # after the types are watched
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: object) -> tuple[int, str, str]:
+        code = cli.main([str(word) for word in words])
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def written():
+    """Names of all that is in a folder."""
+    return lambda folder: sorted(path.name for path in folder.rglob("*"))
+
+
+@pytest.fixture
+def system():
+    """The smallest scene, rendered at 24 × 24."""
+    import symrt as rt  # noqa: PLC0415  # as above
+
+    scene = rt.load_scene("first")
+    return rt.render(replace(scene, camera=replace(scene.camera, width=24, height=24)), progress=False)

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,38 +11,102 @@ from symrt.commands import options as option
 from symrt.commands.arguments import gamut_of, gamuts_of, palette_of, system_of, writable
 from symrt.explore.writing import draw, json_text
 
+if TYPE_CHECKING:
+    from symrt.gamut.files import SavedGamut
+    from symrt.gamut.gamuts import AnyGamut
+    from symrt.gamut.intersections import AnyIntersection
+    from symrt.spectra.palette import Palette
+    from symrt.system import LinearSystem
+
 __all__ = ["gamut", "report"]
 
+DRAWN = (0, 1, 2)
+"""Components that are drawn if no others are named."""
+CHARTS = (".ti3", ".cxf", ".cgats", ".txt", ".csv")
+"""Endings of files that hold a device."""
 
-def gamut(
-    device: Annotated[
-        str,
-        typer.Argument(
-            metavar="DEVICE", help="A device, a chart's file, a gamut saved as .npz, or several joined by +."
-        ),
-    ] = option.DEVICE,
+
+def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: Annotated[
+        str | None, typer.Argument(metavar="[SCENE|SYSTEM]", help="Whose materials are asked about; if any.")
+    ] = None,
+    device: option.DeviceName = option.DEVICE,
     model: option.ModelName = None,
     black: option.BlackName = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    within: option.Within = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    components: option.Components = DRAWN,
+    size: option.Size = None,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw it: as a body, as prints or as colours (.png).")] = None,
+    plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """Facts of a device's basis and gamut.
+    """Facts of a device's basis and gamut; or how a scene's materials lie in it.
 
-    Example: symrt gamut dye3-endura-premier --model envelope --plot gamut.png
+    With a scene, each material's reflectance is scaled, and each blended with each other, in front of the reference
+    light: the table says which part of each segment is inside, and --plot draws them in any three components.
+
+    Example: symrt gamut globe --palette macbeth --device dye3-endura-premier --plot segments.png
     """
     for path, ending in ((save, ".npz"), (plot, ".png")):
         if path is not None:
             writable(path, ending)
-    from symrt.explore.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
-
-    found = gamut_of(device, model, black)
-    if plot is not None:
-        draw(plot, "body_figure", found)
+    if source is None:
+        about: dict[str, object] = {
+            "--palette": palette,
+            "--palettes": palettes,
+            "--within": within,
+            "--reference": reference,
+        }
+        about |= {"--size": size, "--exposure": exposure != 1 or None, "--components": components != DRAWN or None}
+        if given := [name for name, value in about.items() if value is not None]:
+            raise ValueError(f"{given[0]} asks about a scene's materials: name the scene, such as symrt gamut globe")
+        found = gamut_of(device, model, black)
+        said, text = _facts(found, plot)
+    else:
+        if source in rt.devices() or Path(source).suffix.lower() in CHARTS:
+            raise ValueError(f"{source}: a device, where a scene or a system stands: write --device {source}")
+        spectra = palette_of(source, palettes, palette)
+        found = gamut_of(device, model, black, spectra.bands)
+        asked = {"within": within or (0.01, 3.0), "exposure": exposure}
+        said, text = _segments(system_of(source, size), spectra, found, reference, asked, components, plot)
     if save is not None:
         rt.save_gamut(save, found)
+    typer.echo(json_text(said) if as_json else text)
+
+
+def _facts(found: "SavedGamut", plot: Path | None) -> tuple[dict[str, Any], str]:
+    from symrt.explore.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
+
+    if plot is not None:
+        draw(plot, "body_figure", found)
     facts = gamut_facts(found)
-    typer.echo(json_text(facts) if as_json else gamut_table(facts))
+    return facts, gamut_table(facts)
+
+
+def _segments(
+    system: "LinearSystem",
+    spectra: "Palette",
+    found: "AnyGamut | AnyIntersection",
+    reference: str | None,
+    asked: dict[str, Any],
+    components: tuple[int, int, int],
+    plot: Path | None,
+) -> tuple[dict[str, Any], str]:
+    from symrt.explore.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
+    from symrt.explore.study import materials  # noqa: PLC0415
+    from symrt.explore.tables import segments_record, segments_table  # noqa: PLC0415
+    from symrt.spectra.reference import whites  # noqa: PLC0415
+
+    light = reference or next(iter(whites(system, spectra)), None)
+    seen = [name for name in materials(system) if name in diffuse_materials(spectra)]
+    segments = segments_of(found, spectra, seen, light=light, **asked)
+    if plot is not None:
+        draw(plot, "segments_figure", segments, components)
+    return segments_record(segments), segments_table(segments)
 
 
 def report(  # noqa: PLR0913, PLR0917  # a command names its options

@@ -11,6 +11,7 @@ __all__ = [
     "AllowedOut",
     "BlackName",
     "Cap",
+    "Components",
     "DeviceName",
     "Exposure",
     "Json",
@@ -71,6 +72,10 @@ BlackName = Annotated[
 Within = Annotated[
     tuple[float, float] | None,
     typer.Option("--within", help="Least and largest value looked at: 0.01 3, for a blend 0 1."),
+]
+Components = Annotated[
+    tuple[int, int, int],
+    typer.Option("--components", help="Which three are drawn, the first upright; 0 is the neutral axis."),
 ]
 Parameters = Annotated[
     list[str],

@@ -13,13 +13,17 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
+from symrt.feedback.parameters import Scale
+from symrt.feedback.ranges import checked_range
+from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.interface import ConvexGamut, SlabGamut, clip
-from symrt.gamut.intersections import UnevenGamut
+from symrt.gamut.intersections import AnyIntersection, UnevenGamut
 from symrt.spectra.bands import Number
-from symrt.spectra.display import display_matrix, encode
+from symrt.spectra.display import display_matrix, encode, white_among
 from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
 
-__all__ = ["Segment", "blend_segments", "diffuse_materials", "scale_segments"]
+__all__ = ["Segment", "Segments", "blend_segments", "diffuse_materials", "scale_segments", "segments_of"]
 
 Span = tuple[Number, Number]
 Stop = tuple[str | None, str | None]
@@ -71,6 +75,77 @@ class Segment:
         """The rest of `within`."""
         ends = (self.within[0], *(end for span in self.inside for end in span), self.within[1])
         return tuple((low, high) for low, high in list(pairwise(ends))[::2] if low < high)
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """How the materials of a palette lie in a gamut.
+
+    Parameters
+    ----------
+    light
+        The reference light.
+    scaled, blended
+        A segment for each material, and one for each two.
+    """
+
+    gamut: AnyGamut | AnyIntersection
+    light: str
+    exposure: Number
+    scaled: tuple[Segment, ...]
+    blended: tuple[Segment, ...]
+
+
+def segments_of(
+    gamut: AnyGamut | AnyIntersection,
+    palette: Palette,
+    materials: Sequence[str] | None = None,
+    *,
+    light: str | None = None,
+    within: Span = (0.01, 3.0),
+    exposure: Number = 1.0,
+) -> Segments:
+    """The segments of all materials in front of a reference light, and of all blends of two of them.
+
+    Parameters
+    ----------
+    palette
+        Gives each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
+    materials
+        Which ones; all that have a diffuse reflectance if not given.
+    light
+        One of the palette's, the first that shines if not given, or ``"equal-energy"`` or an illuminant.
+    within
+        The scales looked at.
+
+    Raises
+    ------
+    ValueError
+        If there is no such light, no such material, or none at all, or the range or the exposure is none.
+
+    Examples
+    --------
+    >>> from symrt.device.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> palette = Palette(gamut.bands, {"sun": 2, "snow.diffuse": 0.9, "soot.diffuse": 0.02})
+    >>> found = segments_of(gamut, palette)
+    >>> found.light, [round(segment.inside[0][1], 3) for segment in found.scaled], len(found.blended)
+    ('sun', [1.0, 3.0], 1)
+    """
+    shining = {name: palette[name] for name in palette.lights if palette[name].any()}
+    white = white_among(shining, light, palette.bands)
+    names = list(diffuse_materials(palette) if materials is None else materials)
+    if not names:
+        raise ValueError("no material has a diffuse reflectance: there is no segment to clip")
+    seen, within = Reference(light, exposure), checked_range(Scale(names[0]), within)
+    return Segments(
+        gamut,
+        seen.light or next(iter(shining)),
+        seen.exposure,
+        scale_segments(gamut, palette, names, white, within, seen.exposure),
+        blend_segments(gamut, palette, names, white, seen.exposure),
+    )
 
 
 def diffuse_materials(palette: Palette) -> tuple[str, ...]:

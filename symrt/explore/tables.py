@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.device.printing import Device
+from symrt.explore.segments import Segment, Segments
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.pairs import JointRegion
@@ -27,8 +28,11 @@ __all__ = [
     "fits_table",
     "gamut_facts",
     "gamut_table",
+    "inside_proves",
     "ranges_table",
     "region_record",
+    "segments_record",
+    "segments_table",
 ]
 
 SHOWN = 8
@@ -48,7 +52,7 @@ def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
     """
     facts: dict[str, Any] = {
         "gamut": gamut.name,
-        "inside proves": f"{gamut.label}, not sufficient" if isinstance(gamut, Gamut) else gamut.label,
+        "inside proves": inside_proves(gamut),
         "bands": len(gamut.bands),
         "first band": gamut.bands.labels[0],
         "last band": gamut.bands.labels[-1],
@@ -229,6 +233,29 @@ def region_record(found: JointRegion) -> dict[str, Any]:
     }
 
 
+def segments_table(found: Segments) -> str:
+    """The part of each material's segment that a gamut holds, and of each blend's, with what ends it."""
+    head = ("low", "high", "stopped below by", "stopped above by")
+    named = [("scale of", found.scaled), ("blend of, with", found.blended)]
+    tables = [_table([(name, *head), *map(_segment_row, _spans(some))]) for name, some in named if some]
+    facing = (
+        f"Facing {found.light}, exposure {found.exposure:g}; no physical cap. Against {found.gamut.name}: inside is"
+    )
+    return "\n\n".join([*tables, f"{facing} {inside_proves(found.gamut)}."])
+
+
+def segments_record(found: Segments) -> dict[str, Any]:
+    """Segments, with the parts inside and what ends them, ready for JSON."""
+    record: dict[str, Any] = {"gamut": found.gamut.name, "inside proves": inside_proves(found.gamut)}
+    record |= {"reference": found.light, "exposure": found.exposure}
+    return record | {"scales": _segments(found.scaled), "blends": _segments(found.blended)}
+
+
+def inside_proves(gamut: SavedGamut) -> str:
+    """What being inside a gamut proves, and for bounds in each band what it does not."""
+    return f"{gamut.label}, not sufficient" if isinstance(gamut, Gamut) else gamut.label
+
+
 def _rows(found: Feasible) -> list[tuple[str, ...]]:
     left_out = f"{len(found.untouched_outside)} + {len(found.unfixable)}"
     above = ", ".join(found.above_one) or "-"
@@ -238,6 +265,32 @@ def _rows(found: Feasible) -> list[tuple[str, ...]]:
         (str(found.parameter), f"{low:.4g}", f"{high:.4g}", found.verdict, left_out, str(reason[1]), above)
         for (low, high), reason in zip(found.intervals, found.reasons, strict=True)
     ]
+
+
+def _segments(segments: Sequence[Segment]) -> list[dict[str, Any]]:
+    return [
+        {
+            "materials": list(segment.names),
+            "within": list(segment.within),
+            "inside": [list(span) for span in segment.inside],
+            "stops": [{"below": below, "above": above} for below, above in segment.stops],
+        }
+        for segment in segments
+    ]
+
+
+def _spans(segments: Sequence[Segment]) -> list[tuple[Segment, int | None]]:
+    """Each segment with the number of each of its parts inside; with None if it has none."""
+    return [(segment, k) for segment in segments for k in (range(len(segment.inside)) if segment.inside else (None,))]
+
+
+def _segment_row(part: tuple[Segment, int | None]) -> tuple[str, ...]:
+    segment, k = part
+    name = ", ".join(segment.names)
+    if k is None:
+        return name, "none", "none", "-", "-"
+    (low, high), (below, above) = segment.inside[k], segment.stops[k]
+    return name, f"{low:.4g}", f"{high:.4g}", below or "-", above or "-"
 
 
 def _table(rows: Sequence[tuple[str, ...]]) -> str:

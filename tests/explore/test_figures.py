@@ -17,7 +17,7 @@ import symrt as rt
 from symrt.explore import plots
 from symrt.explore.plots.feedback import _binding, _outside
 from symrt.explore.plots.region import _stops
-from symrt.explore.segments import diffuse_materials, scale_segments
+from symrt.explore.segments import scale_segments
 from symrt.explore.solid import View, facets, facing, outline, spread
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved
@@ -93,13 +93,6 @@ def test_whatever_a_device_prints_is_drawn_inside_the_shadow(gamut):
     planes = ConvexHull(outline(facets(gamut.shadow(3).polyhedron()), view)).equations
     points = view.project(gamut.device.samples @ gamut.basis.vectors[:3].T)
     assert (planes[:, :2] @ points.T + planes[:, 2:]).max() < 1e-9
-
-
-def test_a_blend_runs_from_one_material_to_the_other(palette, blended):
-    assert len(blended) == len(list(combinations(diffuse_materials(palette), 2)))
-    for segment in blended:
-        ends = [palette[f"{name}.diffuse"] for name in segment.names]
-        np.testing.assert_allclose([segment.at(0.0), segment.at(1.0)], ends, rtol=1e-12, atol=1e-15)
 
 
 def test_facets_are_the_flat_sides_of_the_solid(gamut):

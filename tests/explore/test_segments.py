@@ -1,7 +1,7 @@
 """Segments of materials in a gamut, and the body that they are drawn in: Figure 1 of the paper."""
 
 from fractions import Fraction
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -124,3 +124,10 @@ def test_every_segment_inside_the_gamut_is_drawn_inside_the_shadow(gamut, scaled
             points = np.array([segment.at(t) for t in np.linspace(*span, 9)]) @ vectors.T
             assert all(((points - side.corners[0]) @ side.normal).max() < 1e-9 for side in sides)
             assert (planes[:, :2] @ view.project(points).T + planes[:, 2:]).max() < 1e-9
+
+
+def test_a_blend_runs_from_one_material_to_the_other(palette, blended):
+    assert len(blended) == len(list(combinations(diffuse_materials(palette), 2)))
+    for segment in blended:
+        ends = [palette[f"{name}.diffuse"] for name in segment.names]
+        np.testing.assert_allclose([segment.at(0.0), segment.at(1.0)], ends, rtol=1e-12, atol=1e-15)

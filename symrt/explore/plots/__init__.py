@@ -8,7 +8,7 @@ from symrt.explore.plots.basis import basis_figure
 from symrt.explore.plots.bodies import body_figure, colours_figure, prints_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
 from symrt.explore.plots.fits import fit_figure
-from symrt.explore.plots.gamut import gamut_figure, solids_figure
+from symrt.explore.plots.gamut import gamut_figure, segments_figure, solids_figure
 from symrt.explore.plots.region import joint_region_figure
 from symrt.explore.plots.style import png
 
@@ -24,5 +24,6 @@ __all__ = [
     "png",
     "prints_figure",
     "ranges_figure",
+    "segments_figure",
     "solids_figure",
 ]

@@ -19,16 +19,16 @@ from symrt.device.printing import Device
 from symrt.explore.body import body_of
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
 from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
-from symrt.explore.segments import Segment, Span, blend_segments, diffuse_materials, scale_segments
+from symrt.explore.segments import Segment, Segments, Span, segments_of
 from symrt.explore.solid import View, facets, spread
+from symrt.explore.tables import inside_proves
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
-from symrt.spectra.display import white_among
 from symrt.spectra.palette import Palette
 
-__all__ = ["device_text", "gamut_figure", "solids_figure"]
+__all__ = ["device_text", "gamut_figure", "segments_figure", "solids_figure"]
 
 STEPS = 32
 """Pieces that a segment is drawn in, each in its own colour."""
@@ -77,30 +77,41 @@ def gamut_figure(
     >>> gamut_figure(gamut, palette).get_suptitle()
     'Spectral gamut, 3 of 36 components: envelope of dye3-endura-premier, black clipped'
     """
-    materials = list(diffuse_materials(palette) if materials is None else materials)
-    shining = {name: palette[name] for name in palette.lights if palette[name].any()}
-    white, body = white_among(shining, light, palette.bands), body_of(gamut, components)
-    scaled = scale_segments(gamut, palette, materials, white, within, exposure)
-    blended = blend_segments(gamut, palette, materials, white, exposure)
+    found = segments_of(gamut, palette, materials, light=light, within=within, exposure=exposure)
+    return segments_figure(found, components)
+
+
+def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2)) -> Drawing:
+    """Segments that have been found already, in three components: see `gamut_figure`.
+
+    Examples
+    --------
+    >>> from symrt.device import load_device
+    >>> from symrt.gamut import device_gamut
+    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> palette = Palette(gamut.bands, {"sun": "illuminant/D65", "sea.diffuse": "macbeth/blue sky"})
+    >>> segments_figure(segments_of(gamut, palette), (1, 2, 3)).axes[0].texts[-1].get_text()
+    "Each material's reflectance, scaled by 0.01 … 3.00"
+    """
+    body = body_of(found.gamut, components)
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
-    headline(figure, _title(gamut))
-    paper, solid = Paper(View(), body.vectors, components), body.solid
-    left, right = (panel(figure, solid, paper, side) for side in (0, 1))
-    for axes, segments, width in ((left, scaled, 3.4), (right, blended, 2.0)):
+    headline(figure, _title(found.gamut))
+    paper = Paper(View(), body.vectors, components)
+    left, right = (panel(figure, body.solid, paper, side) for side in (0, 1))
+    for axes, segments, width in ((left, found.scaled, 3.4), (right, found.blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
         for order, segment in enumerate(sorted(segments, key=lambda one: -_length(one, paper))):
             _draw_segment(axes, segment, paper, width, 4 + order / 1000)
-    given = [(segment.names[0], _place(segment, 1.0, paper)) for segment in scaled]
+    given = [(segment.names[0], _place(segment, 1.0, paper)) for segment in found.scaled]
     for axes in (left, right):
         axes.plot([x for _, (x, _) in given], [y for _, (_, y) in given], **GIVEN, zorder=5)
-    _label(left, [_scale_label(segment, paper) for segment in scaled])
+    _label(left, [_scale_label(segment, paper) for segment in found.scaled])
     _label(right, given)
-    panel_title(left, "a", f"Each material's reflectance, scaled by {within[0]:.2f} … {within[1]:.2f}")
-    panel_title(right, "b", _blends_title(blended))
+    panel_title(left, "a", _scales_title(found.scaled))
+    panel_title(right, "b", _blends_title(found.blended))
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     _legend(figure)
-    shown = light or next(iter(shining))
-    caption(figure, _segments_caption(gamut, body.what, shown, exposure, components))
+    caption(figure, _segments_caption(found, body.what, components))
     return figure
 
 
@@ -131,21 +142,18 @@ def _title(gamut: AnyGamut | AnyIntersection) -> str:
     return f"Spectral gamut, 3 of {len(gamut.bands)} components: {gamut.name}"
 
 
-def _segments_caption(
-    gamut: AnyGamut | AnyIntersection, what: str, light: str, exposure: Number, components: tuple[int, int, int]
-) -> str:
+def _segments_caption(found: Segments, what: str, components: tuple[int, int, int]) -> str:
     first, second, third = (f"c{i} (the neutral axis)" if i == 0 else f"c{i}" for i in components)
     text = (
         f"Body: {what} on {first}, {second} and {third}. Materials: diffuse reflectance facing the reference light, "
-        f"{light}; exposure {exposure:g}. Clipped by the whole gamut, not by the three components drawn, so that a "
-        "segment may end inside the body; no physical cap. "
+        f"{found.light}; exposure {found.exposure:g}. Clipped by the whole gamut, not by the three components drawn, "
+        "so that a segment may end inside the body; no physical cap. "
     )
-    return wrapped(text + _inside_text(gamut), 175)
+    return wrapped(text + _inside_text(found.gamut), 175)
 
 
 def _inside_text(gamut: AnyGamut | AnyIntersection) -> str:
-    only = ", not sufficient" if isinstance(gamut, Gamut) else ""
-    return f"{' '.join(map(device_text, gamut.devices))} Being inside is {gamut.label}{only}."
+    return f"{' '.join(map(device_text, gamut.devices))} Being inside is {inside_proves(gamut)}."
 
 
 def device_text(device: Device) -> str:
@@ -208,6 +216,11 @@ def _label(axes: Axes, labels: list[tuple[str, Place]]) -> None:
         for (text, point), y in zip(chosen, heights, strict=True):
             place = (edge - side * 0.01 * (right - left), y)
             axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, arrowprops=LEADER, **NAME)
+
+
+def _scales_title(segments: Sequence[Segment]) -> str:
+    low, high = segments[0].within
+    return f"Each material's reflectance, scaled by {low:.2f} … {high:.2f}"
 
 
 def _blends_title(segments: Sequence[Segment]) -> str:

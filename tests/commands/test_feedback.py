@@ -1,0 +1,233 @@
+"""Commands that ask an image and a gamut say what the library says: feasible, fit, adapt."""
+
+import json
+
+import numpy as np
+import pytest
+
+import symrt as rt
+from symrt.commands.arguments import system_of
+
+SMALL = ["--size", "24"]
+
+
+def test_feasible_answers_as_the_library_does(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    asked = ["--palettes", "first", "--palette", "plain", "-p", "scale:red", "-p", "scale:sun"]
+    options = [
+        "--no-cap",
+        "--within",
+        "0.5",
+        "2.5",
+        "--allowed-out",
+        "0.01",
+        "--exposure",
+        "0.8",
+        "--black",
+        "luminance",
+    ]
+    code, out, _ = run("feasible", "first.npz", *asked, *options, "--json", "--plot", "ranges.png")
+    assert code == 0
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope", "luminance")
+    for record, name in zip(json.loads(out), ("red", "sun"), strict=True):
+        expected = rt.feasible(
+            system,
+            palette,
+            gamut,
+            rt.Scale(name),
+            within=(0.5, 2.5),
+            allowed_out=0.01,
+            reference=rt.Reference(exposure=0.8),
+            cap=False,
+        )
+        assert record["intervals"] == [list(interval) for interval in expected.intervals]
+        assert record["verdict"] == expected.verdict
+        assert record["reasons"][-1]["above"]["text"] == str(expected.reasons[-1][1])
+        assert record["note"] == expected.note
+    assert (tmp_path / "ranges.png").stat().st_size > 10_000
+    text = run("feasible", "first.npz", *asked)[1]
+    assert "reference sun, exposure 1" in text
+
+
+def test_feasible_of_an_object_asks_about_its_pixels_only(run, system):
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--no-cap", "--json"]
+    (whole,), (part,) = (json.loads(run(*words, *more)[1]) for more in ([], ["--of", "red.specular"]))
+    assert part["object pixels"] == rt.pixels_of(system, "red.specular").sum() < whole["object pixels"]
+    assert part["intervals"][-1][1] >= whole["intervals"][-1][1]
+    assert "asked about" in part["note"]
+    assert "asked about" not in whole["note"]
+
+
+def test_a_blend_of_paints_answers_as_the_library_does(run):
+    system, palette = system_of("globe", "24"), rt.load_palettes("globe")["macbeth"]
+    rt.save_system("globe.npz", system)
+    words = ["feasible", "globe.npz", "--palettes", "globe", "--palette", "macbeth"]
+    records = [json.loads(run(*words, "-p", f"blend:upland:ice{how}", "--json")[1])[0] for how in ("", ":kubelka-munk")]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    expected = rt.feasible(system, palette, gamut, rt.Blend("upland", "ice", "kubelka-munk"))
+    assert records[1]["parameter"] == "blend from upland to ice, mixed as paints"
+    assert records[1]["intervals"] == [list(interval) for interval in expected.intervals]
+    assert records[0]["parameter"] == "blend from upland to ice"
+
+
+def test_blends_are_rendered_with_the_columns_that_they_need(run):
+    words = [
+        "feasible",
+        "globe",
+        *SMALL,
+        "--palette",
+        "macbeth",
+        "-p",
+        "blend:upland:ice",
+        "-p",
+        "blend:deep:ice",
+        "--json",
+    ]
+    records = json.loads(run(*words)[1])
+    assert [record["within"] for record in records] == [[0, 1], [0, 1]]
+    assert [record["parameter"] for record in records] == ["blend from upland to ice", "blend from deep to ice"]
+    assert all(record["intervals"] for record in records)
+
+
+def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, system):
+    words = [
+        "fit",
+        "first",
+        *SMALL,
+        "--palette",
+        "plain",
+        "-p",
+        "scale:red",
+        "--no-cap",
+        "--out",
+        "light.png",
+        "--plot",
+        "fit.png",
+        "--json",
+    ]
+    record = json.loads(run(*words)[1])
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], cap=False)
+    assert record["values"] == dict(expected.values)
+    assert record["verdict"] == expected.verdict
+    rt.save_image("same.png", rt.shade(system, expected.palette))
+    assert (tmp_path / "light.png").read_bytes() == (tmp_path / "same.png").read_bytes()
+    assert (tmp_path / "fit.png").stat().st_size > 10_000
+
+
+def test_fit_takes_every_objective_and_the_least_luminance(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--json", "--objective", "closest"]
+    record = json.loads(run(*words, "--least-luminance", "0")[1])
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], objective="closest", least_luminance=0)
+    assert record["values"] == dict(expected.values)
+    assert record["optimum"] == "global"
+
+
+def test_fit_leaves_out_what_it_is_allowed_to(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--no-cap", "--json"]
+    record = json.loads(run(*words, "--allowed-out", "0.1", "--least-luminance", "0")[1])
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], allowed_out=0.1, cap=False, least_luminance=0)
+    assert record["values"] == dict(expected.values)
+    assert len(record["left out"]) == len(expected.left_out)
+    assert record["share outside"] == expected.share_out <= 0.1
+
+
+def test_adapt_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["adapt", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--json", "--out", "adapted.png"]
+    record = json.loads(run(*words, "--least-inside", "0.9", "--most-difference", "20", "--least-lightness", "0.2")[1])
+    expected = rt.adapt(
+        system, palette, gamut, [rt.Scale("red")], least_inside=0.9, most_difference=20, least_lightness=0.2
+    )
+    assert record["accepted"] == expected.accepted.means
+    assert [step["difference"] for step in record["steps"]] == [step.difference for step in expected.steps]
+    assert (tmp_path / "adapted.png").exists()
+    refused = json.loads(run(*words[:-2], "--least-lightness", "1", "--most-difference", "0", "--map-rest")[1])
+    assert refused["accepted"] is None or refused["steps"][-1]["lacking"] == []
+
+
+def test_feasible_together_is_the_safe_box(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--together"]
+    record = json.loads(run(*words, "--json")[1])
+    expected = rt.safe_box(system, palette, gamut, [rt.Scale("red")])
+    assert record["box"] == {"red": list(expected.box["red"])}
+    assert run(*words)[1].startswith("All scales may move freely")
+
+
+def test_feasible_draws_the_region_of_two_parameters(run, tmp_path, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    words = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "-p", "scale:sun", "--json"]
+    code, out, _ = run(*words, "--region", "region.png")
+    assert code == 0
+    record = json.loads(out)
+    expected = rt.joint_region(system, palette, gamut, rt.Scale("red"), rt.Scale("sun"), progress=False)
+    assert [line["intervals"] for line in record["lines"]] == [[[*i] for i in line] for line in expected.intervals]
+    assert record["share of all pairs"] == expected.share
+    assert (tmp_path / "region.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("model", ["unit", "envelope", "hull", "colorimetric", "inks"])
+def test_feasible_takes_every_model(run, system, model):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), model)
+    words = [
+        "feasible",
+        "first",
+        *SMALL,
+        "--palette",
+        "plain",
+        "-p",
+        "scale:sun",
+        "--no-cap",
+        "--model",
+        model,
+        "--json",
+    ]
+    record = json.loads(run(*words)[1])[0]
+    expected = rt.feasible(system, palette, gamut, rt.Scale("sun"), cap=False, progress=False)
+    assert record["intervals"] == [list(interval) for interval in expected.intervals]
+    assert record["note"] == expected.note
+
+
+def test_devices_joined_by_a_plus_are_intersected_and_a_monitor_is_one(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    printers = [rt.device_gamut(rt.load_device(name), "envelope") for name in ("dye3-endura-premier", "synthetic-cmyk")]
+    monitor = rt.device_gamut(rt.load_device("crt-brainard").on(palette.bands), "monitor")
+    ask = ["feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--json", "--device"]
+    for device, gamut in (
+        ("dye3-endura-premier+synthetic-cmyk", rt.intersection(printers)),
+        ("dye3-endura-premier+crt-brainard", rt.intersection([printers[0], monitor])),
+        ("crt-brainard", monitor),
+    ):
+        record = json.loads(run(*ask, device)[1])[0]
+        expected = rt.feasible(system, palette, gamut, rt.Scale("sun"), progress=False)
+        assert record["intervals"] == [list(interval) for interval in expected.intervals]
+        assert record["note"] == expected.note
+
+
+def test_a_chart_on_other_bands_says_what_to_write_in_the_palette(run, tmp_path):
+    rows = [" ".join(f"{v:.3f}" for v in np.linspace(0.1, 0.9, 31)), " ".join(["0.5"] * 31)]
+    fields = " ".join(f"SPECTRAL_NM{nm}" for nm in range(400, 701, 10))
+    text = f"CGATS.17\nNUMBER_OF_FIELDS 32\nBEGIN_DATA_FORMAT\nSAMPLE_ID {fields}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\n"
+    (tmp_path / "chart.txt").write_text(text + "BEGIN_DATA\nA1 " + "\nA2 ".join(rows) + "\nEND_DATA\n")
+    code, out, err = run("feasible", "first", *SMALL, "--palette", "plain", "-p", "scale:sun", "--device", "chart.txt")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "write bands = [400, 700, 10] in the palette" in err
+
+
+def test_the_exposure_is_a_parameter(run, system):
+    palette = rt.load_palettes("first")["plain"]
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    record = json.loads(run("feasible", "first", *SMALL, "--palette", "plain", "-p", "exposure", "--json")[1])[0]
+    expected = rt.feasible(system, palette, gamut, rt.Exposure())
+    assert record["intervals"] == [list(interval) for interval in expected.intervals]

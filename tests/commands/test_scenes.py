@@ -1,0 +1,69 @@
+"""Commands on a scene say what the library says: plan, probe, render, formula, shade."""
+
+import json
+
+import numpy as np
+
+import symrt as rt
+
+SMALL = ["--size", "24"]
+
+
+def test_plan_prints_the_librarys_table_and_its_json(run):
+    plan = rt.plan(rt.load_scene("globe"))
+    assert run("plan", "globe") == (0, f"{plan}\n", "")
+    record = json.loads(run("plan", "globe", "--json")[1])
+    assert [one["effect"] for one in record] == [effect.name for effect in plan.effects]
+    assert [one["simulated"] for one in record] == [effect.simulated for effect in plan.effects]
+
+
+def test_probe_gives_the_librarys_shares_as_json(run):
+    record = json.loads(run("probe", "first", "--rays", 256, "--json")[1])
+    expected = rt.probe(rt.load_scene("first"), rays=256)
+    assert record["rays"] == expected.rays
+    assert [one["share"] for one in record["meetings"]] == [meeting.share for meeting in expected.meetings]
+
+
+def test_render_writes_the_librarys_system_for_any_number_of_workers(run, tmp_path, system, written):
+    for workers in (1, 2):
+        code, out, _ = run("render", "first", *SMALL, "--workers", workers, "--out", f"{workers}.npz", "--json")
+        assert code == 0
+        assert json.loads(out)["coefficients"] == system.G.nnz
+        saved = rt.load_system(tmp_path / f"{workers}.npz")
+        assert (saved.G != system.G).nnz == 0
+        assert saved.interactions == system.interactions
+    assert written(tmp_path) == ["1.npz", "2.npz"]
+
+
+def test_size_and_samples_change_the_picture_that_is_rendered(run, tmp_path):
+    assert run("render", "first", "--size", "32x16", "--samples", 2, "--out", "a.npz")[0] == 0
+    saved = rt.load_system(tmp_path / "a.npz")
+    assert (saved.width, saved.height) == (32, 16)
+
+
+def test_formula_is_the_librarys_before_and_after_the_collapse(run, system):
+    rt.save_system("first.npz", system)
+    after = rt.formula(system, x=12, y=12)
+    assert run("formula", "first.npz", "--x", 12, "--y", 12)[1] == f"{after}\n"
+    record = json.loads(run("formula", "first.npz", "--x", 12, "--y", 12, "--json")[1])
+    assert (record["symbols"], record["python"]) == (list(after.symbols), after.code())
+    collapsed = run("formula", "first", *SMALL, "--x", 12, "--y", 12, "--collapsed", "--python")[1]
+    assert collapsed == f"{after.code()}\n"
+    before = run("formula", "first", *SMALL, "--x", 12, "--y", 12)[1]
+    assert "n_dot_l" in before
+    assert "n_dot_l" not in run("formula", "first.npz", "--x", 12, "--y", 12)[1]
+    assert r"\mathrm{sun}" in run("formula", "first", *SMALL, "--x", 12, "--y", 12, "--latex")[1]
+
+
+def test_shading_a_scene_and_its_saved_system_gives_the_same_picture(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    assert run("shade", "first", *SMALL, "--palette", "plain", "--out", "a.png")[0] == 0
+    assert run("shade", "first.npz", "--palettes", "first", "--palette", "plain", "--out", "b.png")[0] == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_radiances_are_written_as_they_are(run, tmp_path, system):
+    palette = rt.load_palettes("first")["plain"]
+    assert run("shade", "first", *SMALL, "--palette", "plain", "--out", "first.npz")[0] == 0
+    with np.load(tmp_path / "first.npz") as saved:
+        assert np.array_equal(saved["values"], rt.shade(system, palette).values)
