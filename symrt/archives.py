@@ -17,7 +17,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-__all__ = ["Kind", "read_archive", "whole", "write_archive"]
+from symrt.errors import shown
+
+__all__ = ["DAMAGE", "Kind", "check_members", "read_archive", "whole", "write_archive"]
 
 MOST_MEMBERS = 4096
 """Arrays that a file may hold."""
@@ -90,10 +92,10 @@ def read_archive(path: str | Path, kind: Kind, largest: int = 1 << 30) -> tuple[
     Parameters
     ----------
     largest
-        Bytes that one array may unpack to; a file that claims more is refused before it is read.
+        Bytes that the arrays may unpack to together; a file that claims more is refused before it is read.
     """
     with zipfile.ZipFile(path) as archive:
-        _check_members(archive, largest)
+        check_members(archive, largest)
     with np.load(path, allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     header = json.loads(arrays.pop("header").tobytes())
@@ -126,18 +128,33 @@ def whole(path: str | Path, kind: Kind) -> Iterator[None]:
         raise ValueError(f"{path}: not a whole symrt {kind.name} ({reason}); {kind.remedy}") from error
 
 
-def _check_members(archive: zipfile.ZipFile, largest: int) -> None:
-    """Refuse what unpacks to too much, or whose shape claims more or less than there is."""
+def check_members(archive: zipfile.ZipFile, largest: int) -> None:
+    """Refuse arrays that unpack to more than `largest` bytes, or whose shape claims more or less than there is.
+
+    Examples
+    --------
+    >>> import io
+    >>> file = io.BytesIO()
+    >>> np.savez_compressed(file, zeros=np.zeros(1000))
+    >>> check_members(zipfile.ZipFile(file), 1024)
+    Traceback (most recent call last):
+    ValueError: 'zeros.npy' claims more than 0.000977 MiB together with what is before it, and is not read
+    """
     members = archive.infolist()
     names = [info.filename for info in members]
     if len(names) > MOST_MEMBERS or len(set(names)) < len(names):
         raise ValueError(f"{len(names)} arrays, {len(set(names))} names: too many, or one appears twice")
+    left = largest
     for info in members:
-        if info.file_size > largest:
-            raise ValueError(f"{info.filename} claims more than {largest / (1 << 30):.3g} GiB and is not read")
+        left -= info.file_size
+        if left < 0:
+            raise ValueError(
+                f"{shown(info.filename)} claims more than {largest / (1 << 20):.3g} MiB together with what is before "
+                "it, and is not read"
+            )
         with archive.open(info) as file:
             if _claimed(file) != info.file_size:
-                raise ValueError(f"the shape of {info.filename} is not that of its {info.file_size} bytes")
+                raise ValueError(f"the shape of {shown(info.filename)} is not that of its {info.file_size} bytes")
 
 
 def _claimed(file: BinaryIO | Any) -> int:

@@ -12,8 +12,8 @@ from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 __all__ = ["load_system", "save_system"]
 
 KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
-LARGEST_MEMBER = 8 << 30
-"""Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
+LARGEST = 8 << 30
+"""Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
 
 
 def save_system(path: str | Path, system: LinearSystem) -> None:
@@ -67,7 +67,7 @@ def load_system(path: str | Path) -> LinearSystem:
     ValueError: missing.npz: no such file; save a system with save_system first
     """
     with whole(path, KIND):
-        arrays, header = read_archive(path, KIND, LARGEST_MEMBER)
+        arrays, header = read_archive(path, KIND, LARGEST)
         interactions = _interactions(header["interactions"])
         tail = None if header["tail"] is None else _interactions(header["tail"])
         reflected = _shares(header["reflected"])

@@ -225,12 +225,12 @@ def test_a_pickle_is_never_run(tmp_path, name):
 
 
 def test_a_zip_bomb_is_not_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "LARGEST_MEMBER", 1 << 16)
+    monkeypatch.setattr(module, "LARGEST", 1 << 16)
     save_system(tmp_path / "a.npz", make_system())
     assert load_system(tmp_path / "a.npz").height == 4
     with zipfile.ZipFile(tmp_path / "a.npz", "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("zeros.npy", bytes((1 << 16) + 1))
-    with pytest.raises(ValueError, match=r"zeros\.npy claims more than"):
+    with pytest.raises(ValueError, match=r"zeros\.npy' claims more than"):
         load_system(tmp_path / "a.npz")
 
 

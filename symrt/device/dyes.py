@@ -57,6 +57,11 @@ class Dyes:
     def __post_init__(self) -> None:
         if self.densities.shape != (len(self.inks), len(self.bands)):
             raise ValueError(f"densities are {self.densities.shape}: give one row a dye and one column a band")
+        if not 0 <= self.surface <= self.paper < np.inf:
+            raise ValueError(
+                f"paper {self.paper}, surface {self.surface}: a paper reflects no less than its surface alone, and "
+                "that no less than 0"
+            )
 
     def printed(self, amounts: Float[np.ndarray, "print ink"]) -> Float[np.ndarray, "print band"]:
         """Reflectance of prints, whatever the amounts; `reflectance` checks them first."""

@@ -35,8 +35,8 @@ __all__ = ["load_gamut", "save_gamut"]
 
 KIND = Kind("gamut", 2, "save a gamut with save_gamut first", "save it again with save_gamut")
 SavedGamut = ConvexGamut | UnevenGamut
-LARGEST_MEMBER = 1 << 30
-"""Bytes that one array of a file may unpack to; a file that claims more is refused before it is read."""
+LARGEST = 1 << 30
+"""Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
 
 
 def save_gamut(path: str | Path, gamut: SavedGamut) -> None:
@@ -85,7 +85,7 @@ def load_gamut(path: str | Path) -> SavedGamut:
     ValueError: missing.npz: no such file; save a gamut with save_gamut first
     """
     with whole(path, KIND):
-        arrays, header = read_archive(path, KIND, LARGEST_MEMBER)
+        arrays, header = read_archive(path, KIND, LARGEST)
         kept = {name: header[name] for name in ("devices", "gamuts")}
         if header["digest"] != _digest(kept, arrays):
             raise ValueError("it was changed after it was saved: its digest is another")

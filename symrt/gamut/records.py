@@ -56,7 +56,7 @@ class Form:
 
 
 def _check_printer(printer: Any) -> None:
-    _hold(printer.most > 0, "the largest amount of an ink is not above 0")
+    _hold(0 < printer.most < np.inf, "the largest amount of an ink is not above 0, or infinite")
 
 
 def _check_device(device: Device) -> None:

@@ -264,6 +264,9 @@ DAMAGE = [
     ("hull", put("rgb", *DEVICE, "bands", "kind"), "RGB has the bands 0, 1 and 2"),
     ("hull", put(lambda c: c[::-1], *DEVICE, "bands", "centres"), "wavelengths must increase"),
     ("hull", put(lambda c: c[1:], *DEVICE, "bands", "centres"), "printer_densities is"),
+    ("hull", put("inf", *DEVICE, "printer", "most"), "the largest amount of an ink is not above 0"),
+    ("hull", put("nan", *DEVICE, "printer", "paper"), "paper nan, surface 0.004"),
+    ("hull", put((0.95).hex(), *DEVICE, "printer", "surface"), "paper 0.9, surface 0.95"),
     ("fitted", put((0.5).hex(), *DEVICE, "printer", "exponent"), "n is 1 or more"),
     ("fitted", put(None, *DEVICE, "printer"), "there is no printer whose inks are meant"),
     ("fitted", array("device0_printer_gain", lambda a: a + 1), "a gain within"),
@@ -335,18 +338,30 @@ def test_a_shape_that_claims_more_or_less_than_there_is_is_refused_unread(saved,
     np.lib.format.write_array_header_1_0(head, {"descr": "<f8", "fortran_order": False, "shape": shape})
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr("claims.npy", head.getvalue() + bytes(16))
-    refused(path, r"the shape of claims\.npy is not that of its")
+    refused(path, r"the shape of 'claims\.npy' is not that of its")
 
 
 def test_what_unpacks_to_too_much_or_is_there_twice_is_refused(saved, tmp_path, monkeypatch):
     path = tmp_path / "a.npz"
     path.write_bytes(saved["srgb"].read_bytes())
-    monkeypatch.setattr(module, "LARGEST_MEMBER", 1 << 20)
+    monkeypatch.setattr(module, "LARGEST", 1 << 20)
     assert load_gamut(path).name == made("srgb").name
     with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("zeros.npy", bytes((1 << 20) + 1))
-    refused(path, r"zeros\.npy claims more than")
+    refused(path, r"zeros\.npy' claims more than")
     path.write_bytes(saved["srgb"].read_bytes())
     with zipfile.ZipFile(path, "a") as archive, pytest.warns(UserWarning, match="Duplicate name"):
         archive.writestr("header.npy", json.dumps({}))
     refused(path, "one appears twice")
+
+
+def test_arrays_that_unpack_to_too_much_together_are_refused(saved, tmp_path, monkeypatch):
+    path = tmp_path / "a.npz"
+    path.write_bytes(saved["srgb"].read_bytes())
+    monkeypatch.setattr(module, "LARGEST", 1 << 20)
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
+        for i in range(3):
+            content = io.BytesIO()
+            np.save(content, np.zeros(50_000))
+            archive.writestr(f"zeros{i}.npy", content.getvalue())
+    refused(path, r"zeros2\.npy' claims more than 1 MiB together with what is before it")
