@@ -15,13 +15,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from symrt.device.measured import Measured, Row, conditions, from_rows, is_spectral, number
+from symrt.device.measured import UNITS, Measured, Row, check_size, conditions, from_rows, is_spectral, number
 from symrt.errors import shown
 
 __all__ = ["decoded", "read_cgats"]
 
 TOKEN = re.compile(r'"((?:[^"]|"")*)"|(#.*)|([^\s"#]\S*)|(")')
 """A quoted field, a comment, a plain field, or a quote that nothing closes."""
+LINES = re.compile(r"\r\n|\r|\n")
+"""Ends of lines; other controls, such as 0x85, the … of Windows, are letters of comments."""
 CONDITIONS = (
     *("DESCRIPTOR", "ORIGINATOR", "MANUFACTURER", "CREATED", "PRINT_CONDITIONS", "MATERIAL"),
     *("INSTRUMENTATION", "TARGET_INSTRUMENT", "MEASUREMENT_SOURCE", "MEASUREMENT_GEOMETRY", "FILTER", "POLARIZATION"),
@@ -59,7 +61,7 @@ def read_cgats(text: str) -> Measured:
     >>> chart.bands.labels, chart.reflectances.tolist()
     (('400 nm', '500 nm'), [[0.8, 0.82]])
     """
-    tables = _tables(text.splitlines())
+    tables = _tables(LINES.split(text))
     if not tables:
         raise ValueError("no BEGIN_DATA_FORMAT and BEGIN_DATA: this is not CGATS text; export the chart as CGATS.17")
     charts = [table for table in map(_paired, tables) if any(map(is_spectral, table.fields))]
@@ -94,9 +96,13 @@ def _tables(lines: list[str]) -> list[Table]:
     waiting: Row = (0, [])
     table, within, tabbed = Table(), "head", False
     for line, text in enumerate(lines, start=1):
-        tokens = _fields(text, line, tabbed and within == "data")
+        tokens = _fields(text, line, len(table.fields) if within == "data" else 0, tabbed)
         word = tokens[0].upper() if tokens else ""
         if word == "BEGIN_DATA_FORMAT":
+            if within == "data":
+                raise ValueError(
+                    f"line {line}: BEGIN_DATA_FORMAT inside a table, before its END_DATA: add what is missing"
+                )
             within, tokens = "format", tokens[1:]
         elif word == "BEGIN_DATA":
             within, tokens = "data", tokens[1:]
@@ -107,6 +113,7 @@ def _tables(lines: list[str]) -> list[Table]:
             continue
         if within == "format":
             table.fields.extend(t for t in tokens if t.upper() != "END_DATA_FORMAT")
+            check_size(0, len(table.fields))
             tabbed = tabbed or "\t" in text.strip()
             within = "head" if tokens and tokens[-1].upper() == "END_DATA_FORMAT" else within
         elif within == "data":
@@ -120,10 +127,12 @@ def _tables(lines: list[str]) -> list[Table]:
 
 def _gathered(table: Table, waiting: Row, row: Row) -> Row:
     """Add a finished row to the table; what is not finished waits for the next line, as the format permits."""
-    start, fields = waiting[0] if waiting[1] else row[0], waiting[1] + row[1]
+    start, fields = waiting if waiting[1] else (row[0], [])
+    fields += row[1]
     if len(fields) >= len(table.fields):
         _check_row((start, fields), len(table.fields), row[0])
         table.rows.append((start, fields))
+        check_size(len(table.rows), 0)
         return 0, []
     return start, fields
 
@@ -134,10 +143,13 @@ def _check_row(row: Row, fields: int, line: int) -> None:
         raise ValueError(f"{lines}: {len(row[1])} values for {fields} fields; a print has one value a field")
 
 
-def _fields(text: str, line: int, tabbed: bool) -> list[str]:
-    """What a line holds; between tabs a name may have spaces in it without quotes."""
-    if tabbed and "\t" in text.strip() and not text.lstrip().startswith("#"):
-        return [part.strip().strip('"').strip() for part in text.strip().split("\t")]
+def _fields(text: str, line: int, wanted: int, tabbed: bool) -> list[str]:
+    """What a line holds; in data, between tabs, a field may have spaces in it without quotes, or be empty."""
+    if wanted and "\t" in text.strip() and not text.lstrip().startswith("#"):
+        parts = text.split("\t")
+        if tabbed or len(parts) == wanted:
+            parts = parts if len(parts) == wanted else text.strip().split("\t")
+            return [part.strip().strip('"').strip() for part in parts]
     fields = []
     for found in TOKEN.finditer(text):
         quoted, comment, plain, stray = found.groups()
@@ -159,7 +171,8 @@ def _paired(table: Table) -> Table:
     for i in pairs:
         if other := next(((n, row[i]) for n, row in table.rows if row[i] != first[i]), None):
             raise ValueError(f"line {other[0]}: wavelength {shown(other[1])}, but {shown(first[i])} in line {line}")
-        fields[i], fields[i + 1] = "WAVELENGTH", f"NM{number(first[i], f'line {line}, SPECTRAL_NM'):g}"
+        unit = names[i + 1][9:] if names[i + 1][9:] in UNITS else "NM"
+        fields[i], fields[i + 1] = "WAVELENGTH", f"{unit}{number(first[i], f'line {line}, SPECTRAL_NM'):g}"
     return Table(table.head, fields, table.rows)
 
 

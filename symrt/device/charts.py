@@ -6,14 +6,15 @@ What a file is, its content tells; nothing in it is evaluated, and no more is re
 import csv
 import io
 import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
+from symrt.archives import DAMAGE, check_members
 from symrt.device.cgats import decoded, read_cgats
 from symrt.device.cxf import read_cxf
-from symrt.device.measured import Measured, fractions, from_rows
+from symrt.device.measured import Measured, Row, check_size, fractions, from_rows
 from symrt.device.printing import Device
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
@@ -21,10 +22,9 @@ from symrt.spectra.bands import Bands
 __all__ = ["load_chart"]
 
 LARGEST = 32 << 20
-"""Bytes that a chart may have, and that an array of it may unpack to: a hundred times the largest charts in use."""
-
-DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, KeyError, OSError, RuntimeError, MemoryError)
-"""What reading an archive raises that was cut, changed, encrypted, or packed in a way unknown."""
+"""Bytes that a chart may have, and that its arrays may unpack to: a hundred times the largest charts in use."""
+NEEDED, OPTIONAL = ("wavelengths", "reflectances"), ("amounts", "inks")
+"""Arrays of a ``.npz``."""
 
 
 def load_chart(path: str | Path) -> Device:
@@ -50,6 +50,8 @@ def load_chart(path: str | Path) -> Device:
     Device('mine.csv', measured, 2 prints in Bands(2 wavelengths, 400 … 500 nm): 2 prints with amounts of K)
     """
     path = Path(path)
+    if "\0" in str(path):
+        raise ValueError(f"{shown(str(path))} is not a file name: give the path of a chart")
     try:
         chart = _read(path)
     except OSError as error:
@@ -72,9 +74,10 @@ def load_chart(path: str | Path) -> Device:
 
 
 def _read(path: Path) -> Measured:
-    if path.is_file() and path.stat().st_size > LARGEST:
-        raise ValueError(f"{path.stat().st_size} bytes: a chart has at most {LARGEST >> 20} MiB; give a smaller one")
-    content = path.read_bytes()
+    with path.open("rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise ValueError(f"it is too large: a chart has at most {LARGEST >> 20} MiB; give a smaller one")
     if content.startswith(b"PK"):
         return _read_npz(content)
     text = decoded(content)
@@ -85,15 +88,17 @@ def _read(path: Path) -> Measured:
 
 def _read_csv(text: str) -> Measured:
     """Fields named in the first line, a print in each line after it."""
-    delimiter = ";" if ";" in text.split("\n", 1)[0] else ","
+    lines = io.StringIO(text, newline=None)
+    delimiter = max(",;\t", key=lines.readline().count)
+    lines.seek(0)
+    rows: list[Row] = []
     try:
-        rows = [
-            (i, [part.strip() for part in row])
-            for i, row in enumerate(csv.reader(io.StringIO(text), delimiter=delimiter), 1)
-        ]
+        for line, row in enumerate(csv.reader(lines, delimiter=delimiter), 1):
+            if any(row) and not row[0].startswith("#"):
+                rows.append((line, [part.strip() for part in row]))
+                check_size(len(rows), len(row))
     except csv.Error as error:
         raise ValueError(f"not a table ({error}): save it as CSV again") from None
-    rows = [(line, row) for line, row in rows if any(row) and not row[0].startswith("#")]
     if not rows:
         raise ValueError("no lines: the first names the columns, such as 380, 390 …")
     fields = rows[0][1]
@@ -105,17 +110,13 @@ def _read_csv(text: str) -> Measured:
 
 def _read_npz(content: bytes) -> Measured:
     arrays = _arrays(content)
-    for name in ("wavelengths", "reflectances"):
-        if name not in arrays:
-            raise ValueError(f"no array {name!r}, only {', '.join(map(shown, arrays)) or 'none'}: save both of them")
-    for name in ("wavelengths", "reflectances", "amounts"):
-        if name in arrays and not (arrays[name].dtype.kind in "fiu" and np.all(np.isfinite(arrays[name]))):
-            raise ValueError(f"array {name!r} does not hold finite numbers: correct it and save it again")
-    nm, values = (arrays[name].astype(float) for name in ("wavelengths", "reflectances"))
+    given = {name: _numbers(name, array) for name, array in arrays.items() if name != "inks"}
+    nm, values = (given[name] for name in NEEDED)
     if nm.ndim != 1 or values.ndim != 2 or values.shape[1] != len(nm) or not values.size:
         raise ValueError(f"reflectances are {values.shape} for {nm.shape} wavelengths: give one row a print")
-    amounts = arrays.get("amounts", np.empty((len(values), 0))).astype(float)
-    names = arrays.get("inks", np.array([str(i + 1) for i in range(amounts.shape[-1])], dtype=str))
+    check_size(*values.shape)
+    amounts = given.get("amounts", np.empty((len(values), 0)))
+    names = arrays.get("inks", np.array([str(i + 1) for i in range(amounts.size // len(values))], dtype=str))
     if amounts.shape != (len(values), names.size) or names.dtype.kind != "U":
         raise ValueError(
             f"amounts are {amounts.shape} for {len(values)} prints of {names.size} inks: one column an ink"
@@ -126,14 +127,26 @@ def _read_npz(content: bytes) -> Measured:
     return Measured(Bands(tuple(nm.tolist())), reflectances, amounts, tuple(str(ink) for ink in names.ravel()), note)
 
 
+def _numbers(name: str, array: np.ndarray) -> Float[np.ndarray, "..."]:
+    # A number beyond the range of a float64 becomes infinite, and is refused as such.
+    with np.errstate(over="ignore"):
+        numbers = array.astype(float) if array.dtype.kind in "fiu" else np.full(1, np.nan)
+    if not np.all(np.isfinite(numbers)):
+        raise ValueError(f"array {name!r} does not hold finite numbers: correct it and save it again")
+    return numbers
+
+
 def _arrays(content: bytes) -> dict[str, np.ndarray]:
-    """The arrays of a ``.npz``; none that holds objects, or unpacks to more than a chart can need."""
+    """The arrays of a ``.npz`` that are a chart's; none that holds objects, or unpacks to more than one can need."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            large = [info.filename for info in archive.infolist() if info.file_size > LARGEST]
-        if large:
-            raise ValueError(f"{shown(large[0])} unpacks to more than {LARGEST >> 20} MiB; no chart is so large")
+            check_members(archive, LARGEST)
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
+            found, arrays = file.files, {name: file[name] for name in (*NEEDED, *OPTIONAL) if name in file.files}
     except DAMAGE as error:
-        raise ValueError(f"not a whole .npz ({str(error)[:80]}): save it again with numpy.savez") from None
+        reason = " ".join(str(error).split())[:120]
+        raise ValueError(f"not a whole .npz ({reason}): save it again with numpy.savez") from None
+    for name in NEEDED:
+        if name not in arrays:
+            raise ValueError(f"no array {name!r}, only {', '.join(map(shown, found[:9])) or 'none'}: save both of them")
+    return arrays

@@ -16,7 +16,7 @@ from xml.parsers import expat
 import numpy as np
 from jaxtyping import Float
 
-from symrt.device.measured import Measured, conditions, fractions, number
+from symrt.device.measured import Measured, check_size, conditions, fractions, number
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 
@@ -24,6 +24,8 @@ __all__ = ["read_cxf"]
 
 DEEPEST = 64
 """Elements within elements; the format needs about ten."""
+MOST_ELEMENTS = 1_000_000
+"""A print needs about twenty, and each takes memory."""
 PROCESS = ("Cyan", "Magenta", "Yellow", "Black")
 
 
@@ -37,10 +39,14 @@ def read_cxf(content: bytes) -> Measured:
     """
     _check_xml(content)
     root = ET.fromstring(content)
-    specifications = {one.get("Id"): one for one in root.iterfind(".//{*}ColorSpecification")}
+    specifications: dict[str | None, ET.Element] = {}
+    for one in root.iterfind(".//{*}ColorSpecification"):
+        if specifications.setdefault(one.get("Id"), one) is not one:
+            raise ValueError(f"two ColorSpecifications are called {shown(one.get('Id') or '')}: correct their Id")
     ranges = {name: one.find(".//{*}WavelengthRange") for name, one in specifications.items()}
     objects = [(o, o.findall("{*}ColorValues/{*}ReflectanceSpectrum")) for o in root.iterfind(".//{*}Object")]
     prints = [(o, spectra[0]) for o, spectra in objects if spectra]
+    check_size(len(prints), 0)
     if not prints:
         raise ValueError("no ReflectanceSpectrum in any Object: a gamut needs spectra; export them with the chart")
     spectra = [_spectrum(o, spectrum, ranges.get(spectrum.get("ColorSpecification"))) for o, spectrum in prints]
@@ -68,8 +74,8 @@ def _conditions(specification: ET.Element | None) -> list[tuple[str, str]]:
 
 
 def _check_xml(content: bytes) -> None:
-    """Read the file once for its form alone: no document type, no entities, not too deep."""
-    depth = 0
+    """Read the file once for its form alone: no document type, no entities, not too deep, not too much."""
+    depth = elements = 0
     parser = expat.ParserCreate(namespace_separator="}")  # as ElementTree has it
 
     def refuse(*_: Any) -> None:
@@ -78,8 +84,10 @@ def _check_xml(content: bytes) -> None:
         )
 
     def enter(*_: Any) -> None:
-        nonlocal depth
-        depth += 1
+        nonlocal depth, elements
+        depth, elements = depth + 1, elements + 1
+        if elements > MOST_ELEMENTS:
+            raise ValueError(f"more than {MOST_ELEMENTS} elements: a chart has fewer; take out what are no prints")
         if depth > DEEPEST:
             raise ValueError(f"line {parser.CurrentLineNumber}: elements nested {depth} deep; this is no CxF3 file")
 
@@ -98,9 +106,12 @@ def _spectrum(
     print_: ET.Element, spectrum: ET.Element, range_: ET.Element | None
 ) -> tuple[Bands, Float[np.ndarray, " band"]]:
     where = _name(print_)
-    values = [number(text, f"{where}, ReflectanceSpectrum") for text in (spectrum.text or "").split()]
-    if not values:
-        raise ValueError(f"{where}: its ReflectanceSpectrum is empty; measure the print or drop it")
+    texts = (spectrum.text or "").split()
+    if not texts or len(spectrum):
+        what = "holds other elements beside its numbers" if len(spectrum) else "is empty"
+        raise ValueError(f"{where}: its ReflectanceSpectrum {what}; measure the print again or drop it")
+    check_size(1, len(texts))
+    values = [number(text, f"{where}, ReflectanceSpectrum") for text in texts]
     first = spectrum.get("StartWL") or (range_.get("StartWL") if range_ is not None else None)
     step = spectrum.get("Increment") or (range_.get("Increment") if range_ is not None else None)
     if first is None or (step is None and len(values) > 1):
@@ -133,9 +144,11 @@ def _inks(print_: ET.Element) -> dict[str, float]:
         if found is None:
             continue
         texts = {name: found.findtext(f"{{*}}{name}") or "" for name in PROCESS}
-        texts |= {
-            s.findtext("{*}Name") or "": s.findtext("{*}Percentage") or "" for s in found.iterfind("{*}SpotColor")
-        }
+        for spot in found.iterfind("{*}SpotColor"):
+            ink = " ".join((spot.findtext("{*}Name") or "").split())
+            if ink in texts:
+                raise ValueError(f"{_name(print_)}: {shown(ink)} appears twice; keep one amount an ink")
+            texts[ink] = spot.findtext("{*}Percentage") or ""
         amounts = {name: number(text, f"{_name(print_)}, {name}") / 100 for name, text in texts.items()}
         if wrong := [name for name, amount in amounts.items() if not 0 <= amount <= 1]:
             raise ValueError(

@@ -1,6 +1,6 @@
 """Measured prints as a file gives them, and what every format of chart has in common, before step 4 of the paper.
 
-Charts write reflectances as fractions or in percent, and say nowhere which: a chart holds its bare paper, so that the
+Charts write reflectances as fractions or in percent, and seldom say which: a chart holds its bare paper, so that the
 largest number tells.  Device values are fractions, percent, or, for red, green and blue, of 255.
 """
 
@@ -14,11 +14,11 @@ from jaxtyping import Float
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 
-__all__ = ["Measured", "Row", "conditions", "fractions", "from_rows", "is_spectral", "number"]
+__all__ = ["UNITS", "Measured", "Row", "check_size", "conditions", "fractions", "from_rows", "is_spectral", "number"]
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 SPECTRAL = re.compile(
-    r"(?:SPECTRAL_?|SPEC_?|R_)?(?:NM_?|PCT_?|DEC_?)?(\d{3,4}(?:\.\d{1,6})?)(?:_?NM)?", re.I | re.ASCII
+    r"(?:SPECTRAL_?|SPEC_?|R_)?(?:NM_?|(PCT_?|DEC_?))?(\d{3,4}(?:\.\d{1,6})?)(?:_?NM)?", re.I | re.ASCII
 )
 """Names such as SPECTRAL_NM380, SPEC_380, nm380, 380_NM and 380: a reflectance, and its wavelength."""
 INK = re.compile(r"([BCGKLMNORVWYbcgkmorvy]{1,12}|\d{1,2}CLR)_([A-Za-z]|\d{1,2})", re.ASCII)
@@ -28,6 +28,11 @@ NOISE = 0.01
 """Instruments read up to so much below 0 from what is black; such numbers stay as they are."""
 MOST = 2.0
 """No reflectance of a print is above this, not even of paper that fluoresces; larger numbers are percent."""
+UNITS = {"PCT": "percent", "DEC": "fractions"}
+"""What the names of some columns say that their numbers are."""
+MOST_PRINTS, MOST_FIELDS = 100_000, 4096
+"""Prints that a chart may have, and numbers that each may have; more is no chart, and not read."""
+LONGEST_NAME = 64
 
 Row = tuple[int, list[str]]
 """The number of a line, and its fields."""
@@ -56,6 +61,32 @@ class Measured:
     amounts: Float[np.ndarray, "print ink"]
     inks: tuple[str, ...]
     note: str
+
+    def __post_init__(self) -> None:
+        for ink in self.inks:
+            if not (ink.isprintable() and ink.strip() and len(ink) <= LONGEST_NAME):
+                raise ValueError(
+                    f"an ink is called {shown(ink)}: give it a name of 1 to {LONGEST_NAME} letters on one line"
+                )
+            if self.inks.count(ink) > 1:
+                raise ValueError(f"two inks are called {shown(ink)}: give each its own name, and one column")
+
+
+def check_size(prints: int, fields: int) -> None:
+    """Refuse what no chart is so large as, before it takes all memory.
+
+    Examples
+    --------
+    >>> check_size(1, 401)
+    >>> check_size(1, 7_000_000)
+    Traceback (most recent call last):
+    ValueError: 7000000 numbers a print, and a chart has at most 4096: take out what are no measurements of prints
+    """
+    for count, most, what in ((prints, MOST_PRINTS, "prints"), (fields, MOST_FIELDS, "numbers a print")):
+        if count > most:
+            raise ValueError(
+                f"{count} {what}, and a chart has at most {most}: take out what are no measurements of prints"
+            )
 
 
 def from_rows(fields: Sequence[str], rows: Sequence[Row], declared: Sequence[float] | None = None) -> Measured:
@@ -93,6 +124,7 @@ def from_rows(fields: Sequence[str], rows: Sequence[Row], declared: Sequence[flo
     nm = _wavelengths(columns, declared)
     values = _numbers(fields, rows, list(columns.values()))
     reflectances, note = fractions(values, [f"line {line}" for line, _ in rows])
+    _check_unit([fields[column] for column in columns.values()], values.max())
     amounts, scale = _amounts(devices, _numbers(fields, rows, list(devices.values())))
     inks = tuple(name.rpartition("_")[2] if "_" in name else name.lower() for name in devices)
     return Measured(Bands(tuple(nm)), reflectances, amounts, inks, note + scale)
@@ -172,11 +204,24 @@ def _spectral(fields: Sequence[str]) -> dict[float, int]:
     columns: dict[float, int] = {}
     for column, field in enumerate(fields):
         if found := SPECTRAL.fullmatch(field):
-            nm = float(found[1])
+            nm = float(found[2])
             if nm in columns:
                 raise ValueError(f"field {shown(field)}: {nm:g} nm appears twice; keep one measurement a file")
             columns[nm] = column
     return dict(sorted(columns.items()))
+
+
+def _check_unit(fields: Sequence[str], largest: float) -> None:
+    """Refuse numbers that are not what the names of their columns say."""
+    unit = UNITS["PCT" if largest > MOST else "DEC"]
+    for field in fields:
+        found = SPECTRAL.fullmatch(field)
+        said = UNITS.get((found[1] or "").strip("_").upper(), unit) if found else unit
+        if said != unit:
+            raise ValueError(
+                f"field {shown(field)}: its name says {said}, but the largest number, {largest:g}, is one of {unit}; "
+                "correct the numbers, or name it SPECTRAL_NM"
+            )
 
 
 def _wavelengths(columns: dict[float, int], declared: Sequence[float] | None) -> list[float]:
@@ -205,14 +250,16 @@ def _device(fields: Sequence[str]) -> dict[str, int]:
     """Names and columns of the device values; of several sets the first that is not red, green and blue."""
     sets: dict[str, dict[str, int]] = {}
     for column, field in enumerate(fields):
+        found = INK.fullmatch(field)
         if field.lower() in WORDS:
-            sets.setdefault("words", {})[field] = column
-        elif (found := INK.fullmatch(field)) and (
-            found[2].isdigit() if found[1][-3:] == "CLR" else found[2] in found[1]
-        ):
-            if field in sets.setdefault(found[1], {}):
-                raise ValueError(f"field {shown(field)} appears twice; keep one column an ink")
-            sets[found[1]][field] = column
+            kind = "words"
+        elif found and (found[2].isdigit() if found[1][-3:] == "CLR" else found[2] in found[1]):
+            kind = found[1]
+        else:
+            continue
+        if field in sets.setdefault(kind, {}):
+            raise ValueError(f"field {shown(field)} appears twice; keep one column an ink")
+        sets[kind][field] = column
     return sets[min(sets, key=lambda name: name == "RGB")] if sets else {}
 
 

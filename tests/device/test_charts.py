@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from symrt.device import cxf, measured
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.inks import load_device, reflectance
 from symrt.gamut.files import load_gamut, save_gamut
@@ -56,6 +57,7 @@ VARIANTS = {
     "capitals": {"prefix": "NM_", "separator": " "},
     "bare": {"prefix": ""},
     "old": {"prefix": "SPECTRAL_DEC_"},
+    "percent by name": {"prefix": "SPECTRAL_PCT", "scale": 100.0},
 }
 
 
@@ -131,6 +133,21 @@ def test_a_print_may_run_over_lines_and_a_table_without_spectra_stands_aside(tmp
         assert load_device(file).samples.tolist() == [[0.8, 0.9], [0.1, 0.2]]
 
 
+@pytest.mark.parametrize("separator", ["\t", " "])
+def test_between_tabs_a_field_may_be_empty_and_have_spaces_whatever_the_names_stand_between(tmp_path, separator):
+    file = tmp_path / "chart.txt"
+    names = separator.join(["remark", "id", "nm400", "nm500", "note"])
+    rows = "\t1\t0.8\t0.9\tbare paper\n\t2\t0.1\t0.2\t\n"
+    file.write_text(f"BEGIN_DATA_FORMAT\n{names}\nEND_DATA_FORMAT\nBEGIN_DATA\n{rows}END_DATA\n")
+    assert load_device(file).samples.tolist() == [[0.8, 0.9], [0.1, 0.2]]
+
+
+def test_the_letters_of_windows_end_no_line(tmp_path):
+    file = tmp_path / "chart.txt"
+    file.write_bytes(text_chart(head='CREATED "today…"').encode("cp1252"))
+    np.testing.assert_allclose(load_device(file).samples, SPECTRA, rtol=1e-7)
+
+
 WHOLE = text_chart()
 BROKEN = {
     "device only": (text_chart(prefix="XX"), r"no spectra, only device values \(CMYK_C, .*export them too"),
@@ -165,6 +182,17 @@ BROKEN = {
     "micrometres": (WHOLE.replace("SPECTRAL_NM", "NM0."), r"no spectra"),
     "too much ink": (text_chart(ink_scale=300.0), r"device values CMYK_C, .*: 300 is not in \[0, 1\] nor \[0, 100\]"),
     "code": (WHOLE.replace("0.9\t0.9", "0.9\t__import__('os').abort()", 1), r"is not a number"),
+    "format again": (
+        WHOLE.replace("END_DATA\n", "BEGIN_DATA_FORMAT\nnm740\nEND_DATA_FORMAT\nEND_DATA\n"),
+        r"line 19: BEGIN_DATA_FORMAT inside a table",
+    ),
+    "fractions as percent": (text_chart(prefix="SPECTRAL_PCT"), r"its name says percent, but the largest number, 0.9,"),
+    "percent as fractions": (
+        text_chart(prefix="DEC_", scale=100),
+        r"'DEC_380': its name says fractions, .* of percent",
+    ),
+    "ink twice": (text_chart(inks=["cyan", "cyan"], ink_scale=1), r"field 'cyan' appears twice"),
+    "ink in two cases": (text_chart(inks=["Cyan", "cyan"], ink_scale=1), r"two inks are called 'cyan'"),
     "bytes": ("CGATS.17\0\0\0\xff", r"no BEGIN_DATA_FORMAT"),
 }
 
@@ -276,6 +304,15 @@ BROKEN_CXF = {
     "other inks": (cxf_chart().replace("Orange", "Green", 1), r"object '2': other inks"),
     "encoding": (cxf_chart().replace('encoding="UTF-8"', 'encoding="secret"'), r"not whole XML \(unknown encoding"),
     "prefix": (cxf_chart().replace("<cc:Resources>", "<cd:Resources>"), r"not whole XML \(unbound prefix"),
+    "ink twice": (cxf_chart().replace("Orange", "Cyan"), r"object '1': 'Cyan' appears twice; keep one amount an ink"),
+    "nameless ink": (cxf_chart().replace("Orange", " "), r"an ink is called '': give it a name"),
+    "long name": (cxf_chart().replace("Orange", "O" * 1000), r"an ink is called 'OO+': give it a name of 1 to 64"),
+    "control": (cxf_chart().replace("Orange", "\x9b31m"), r"an ink is called '.x9b31m': give it a name"),
+    "element": (cxf_chart().replace(">0.9 0.9", ">0.9 <cc:Lab/> 0.9", 1), r"object '1': .* holds other elements"),
+    "specifications": (
+        cxf_chart().replace("</cc:ColorSpecificationC", '<cc:ColorSpecification Id="CS1"/></cc:ColorSpecificationC'),
+        r"two ColorSpecifications are called 'CS1'",
+    ),
     "step": (cxf_chart().replace('Increment="10"', 'Increment="0"'), r"object '1': bands: .*must increase"),
 }
 
@@ -314,12 +351,13 @@ def test_the_real_chart_reads_as_by_colour_cxf_and_its_lab_follows_from_its_spec
     assert np.linalg.norm(ours - np.array(labs), axis=1).max() <= 0.2
 
 
-@pytest.mark.parametrize("delimiter", [",", ";"])
-def test_csv_names_its_columns_in_the_first_line(tmp_path, delimiter):
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+def test_csv_names_its_columns_in_the_first_line(tmp_path, delimiter, end):
     file = tmp_path / "chart.csv"
     rows = [["name", *INKS, *map(str, NM)]]
     rows += [["a print", *map(repr, map(float, [*a, *s]))] for a, s in zip(AMOUNTS, SPECTRA, strict=True)]
-    file.write_text("\n".join(delimiter.join(row) for row in rows))
+    file.write_text(end.join(delimiter.join(row) for row in rows), newline="")
     device = load_device(file)
     np.testing.assert_array_equal(device.samples, SPECTRA)
     np.testing.assert_array_equal(device.amounts, AMOUNTS)
@@ -347,6 +385,16 @@ def test_numpy_archives_hold_reflectances_by_name(tmp_path):
         ({"wavelengths": NM[:9], "reflectances": SPECTRA}, r"reflectances are \(7, 36\) for \(9,\) wavelengths"),
         ({"wavelengths": NM, "reflectances": SPECTRA, "amounts": AMOUNTS[:3]}, r"amounts are \(3, 4\) for 7 prints"),
         ({"wavelengths": NM, "reflectances": SPECTRA, "amounts": AMOUNTS * 100}, r"divide percent by 100"),
+        ({"wavelengths": NM, "reflectances": SPECTRA, "amounts": np.float64(0.5)}, r"amounts are \(\) for 7 prints"),
+        (
+            {"wavelengths": NM, "reflectances": SPECTRA.astype(np.longdouble) * np.longdouble("1e4000")},
+            r"finite numbers",
+        ),
+        ({"wavelengths": NM, "reflectances": SPECTRA, "amounts": AMOUNTS, "inks": np.array(list("CCMY"))}, "two inks"),
+        (
+            {"wavelengths": NM, "reflectances": SPECTRA, "amounts": AMOUNTS[:, :1], "inks": np.array(["a\nb"])},
+            r"an ink is called 'a\\nb'",
+        ),
     ):
         np.savez(file, **arrays)
         with pytest.raises(ValueError, match=message) as error:
@@ -354,17 +402,71 @@ def test_numpy_archives_hold_reflectances_by_name(tmp_path):
         assert "\n" not in str(error.value)
 
 
+def test_archives_of_something_else_are_refused(tmp_path):
+    file, head = tmp_path / "other.npz", io.BytesIO()
+    np.lib.format.write_array_header_1_0(head, {"descr": "<f8", "fortran_order": False, "shape": (10**9,)})
+    for content, message in (
+        (b"hello", r"not a whole .npz \("),
+        (head.getvalue(), r"the shape of 'reflectances' is not"),
+    ):
+        with zipfile.ZipFile(file, "w") as archive:
+            archive.writestr("reflectances", content)
+            archive.writestr("wavelengths", content)
+        with pytest.raises(ValueError, match=message) as error:
+            load_device(file)
+        assert str(error.value).endswith("save it again with numpy.savez")
+
+
 def test_bombs_are_refused_before_they_unfold(tmp_path):
     file = tmp_path / "bomb.npz"
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("reflectances.npy", bytes(33 << 20))
-    with pytest.raises(ValueError, match=r"unpacks to more than 32 MiB"):
+    with pytest.raises(ValueError, match=r"'reflectances.npy' claims more than 32 MiB"):
         load_device(file)
     file = tmp_path / "long.txt"
     with file.open("wb") as out:
         out.truncate(33 << 20)
     with pytest.raises(ValueError, match=r"a chart has at most 32 MiB"):
         load_device(file)
+    # Many arrays, each within the limit, and not needed.
+    zeros = io.BytesIO()
+    np.save(zeros, np.zeros(1 << 20))
+    file = tmp_path / "many.npz"
+    np.savez(file, wavelengths=NM, reflectances=SPECTRA)
+    with zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as archive:
+        for i in range(5):
+            archive.writestr(f"zeros{i}.npy", zeros.getvalue())
+    with pytest.raises(ValueError, match=r"'zeros3.npy' claims more than 32 MiB together"):
+        load_device(file)
+
+
+HUGE = {
+    "endless.txt": ("BEGIN_DATA_FORMAT\nnm400\nEND_DATA_FORMAT\nBEGIN_DATA\n" + "1\n" * 1001, "1001 prints"),
+    "wide.txt": ("BEGIN_DATA_FORMAT\n" + "x\n" * 5000, "5000 numbers|4097 numbers a print"),
+    "endless.csv": ("400\n" + "1\n" * 1001, "1001 prints"),
+    "wide.csv": (",".join(map(str, range(100, 6000))), "5900 numbers a print"),
+    "crowd.cxf": ("<a>" + "<b/>" * 2000, "more than 1000 elements"),
+    "long.cxf": (
+        "<Object><ColorValues><ReflectanceSpectrum>" + "1 " * 5000 + "</ReflectanceSpectrum></ColorValues></Object>",
+        "5000 numbers a print",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HUGE)
+def test_what_is_too_much_for_a_chart_is_refused_before_all_of_it_is_kept(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(measured, "MOST_PRINTS", 1000)
+    monkeypatch.setattr(cxf, "MOST_ELEMENTS", 1000)
+    text, message = HUGE[name]
+    (tmp_path / name).write_text(f"<r>{text}</r>" if name == "long.cxf" else text)
+    with pytest.raises(ValueError, match=message) as error:
+        load_device(tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_a_device_that_never_ends_is_not_read_to_its_end():
+    with pytest.raises(ValueError, match=r"/dev/zero: it is too large"):
+        load_device("/dev/zero")
 
 
 def whole_files():
@@ -413,6 +515,8 @@ def test_paths_that_lead_to_no_chart_are_named(tmp_path):
         load_device(tmp_path / "none.ti3")
     with pytest.raises(ValueError, match=r"cannot be read: Is a directory"):
         load_device(tmp_path)
+    with pytest.raises(ValueError, match=r"^'a.x00.ti3' is not a file name: give the path of a chart"):
+        load_device("a\0.ti3")
     with pytest.raises(ValueError, match=r"no device 'chart'; there are: .*or give the path of a chart"):
         load_device("chart")
 
