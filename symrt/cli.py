@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 import symrt as rt
-from symrt.commands.feedback import adapt, feasible, fit
+from symrt.commands.feedback import adapt, feasible, fit, map_pixels
 from symrt.commands.gamuts import gamut, report
 from symrt.commands.scenes import demo, formula, plan, probe, render, shade
 
@@ -25,7 +25,7 @@ USAGE_ERROR: Any = next(kind for kind in reversed(typer.BadParameter.__mro__) if
 BAD_INPUT, INTERRUPTED = 2, 130
 LONGEST = 300
 """Letters of a fault's line; what was given may be longer."""
-COMMANDS = (plan, probe, render, formula, shade, gamut, feasible, report, fit, adapt, demo)
+COMMANDS = (plan, probe, render, formula, shade, gamut, feasible, report, fit, adapt, map_pixels, demo)
 """In the order in which the help lists them."""
 
 
@@ -73,7 +73,7 @@ def start(
 
 
 for command in COMMANDS:
-    app.command()(command)
+    app.command(command.__name__.replace("_", "-"))(command)
 
 
 def _warned(message: Warning | str, *_: Any, **__: Any) -> None:

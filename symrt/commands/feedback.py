@@ -8,6 +8,7 @@ import typer
 import symrt as rt
 from symrt.commands import options as option
 from symrt.commands.arguments import gamut_of, palette_of, parameter_of, scale_of, system_of, writable
+from symrt.commands.masks import parted, weights_of
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from symrt.spectra.reference import Reference
     from symrt.system import LinearSystem
 
-__all__ = ["adapt", "feasible", "fit"]
+__all__ = ["adapt", "feasible", "fit", "map_pixels"]
 
 
 def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
@@ -27,6 +28,8 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
     of: option.Of = None,
+    weights: option.Weights = None,
+    split: option.Split = None,
     together: option.Together = False,
     cap: option.Cap = True,
     device: option.DeviceName = option.DEVICE,
@@ -37,6 +40,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     size: option.Size = None,
     plot: option.Plot = None,
     region: option.Region = None,
+    curve: option.Curve = None,
     as_json: option.Json = False,
 ) -> None:
     """Which values of a parameter a device can print, and which pixel and band end each range.
@@ -50,18 +54,19 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         region_record,
     )
 
-    if together and (plot is not None or allowed_out or of is not None):
-        raise ValueError("--together gives one box for all pixels: leave out --plot, --allowed-out and --of")
-    if region is not None and (len(parameter) != 2 or together or plot is not None):
-        raise ValueError("--region draws two parameters, -p A -p B: leave out --together and --plot")
-    for path in (plot, region):
+    _check_together(together, {"--plot": plot, "--allowed-out": allowed_out, "--of": of, "--weights": weights})
+    if region is not None and (len(parameter) != 2 or together or plot is not None or weights is not None):
+        raise ValueError("--region draws two parameters, -p A -p B: leave out --together, --plot and --weights")
+    if curve is not None and (len(parameter) != 1 or together):
+        raise ValueError("--curve draws one parameter: give one -p, and leave out --together")
+    for path in (plot, region, curve):
         if path is not None:
             writable(path, ".png")
     asked = [parameter_of(word) for word in parameter]
     spectra = palette_of(source, palettes, palette)
     limits = gamut_of(device, model, black, spectra.bands)
     seen = rt.Reference(reference, exposure)
-    system = system_of(source, size, asked)
+    system, spectra = parted(system_of(source, size, asked), spectra, split)
     options = {"within": within, "cap": cap, "reference": seen}
     if together:
         scales = [scale_of(word) for word in parameter]
@@ -75,7 +80,10 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         draw(region, "joint_region_figure", pairs, system, spectra, seen)
         typer.echo(json_text(region_record(pairs)) if as_json else repr(pairs))
         return
+    options |= {"weights": weights_of(weights, system)}
     found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
+    if curve is not None:
+        draw(curve, "curve_figure", found[0])
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, limits, seen)
     answers = [feasible_record(one) for one in found]
@@ -93,6 +101,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     palettes: option.PaletteFile = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
+    split: option.Split = None,
     cap: option.Cap = True,
     device: option.DeviceName = option.DEVICE,
     model: option.ModelName = None,
@@ -117,7 +126,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     spectra = palette_of(source, palettes, palette)
     limits = gamut_of(device, model, black, spectra.bands)
     seen = rt.Reference(reference, exposure)
-    system = system_of(source, size)
+    system, spectra = parted(system_of(source, size), spectra, split)
     options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
     found = rt.fit(system, spectra, limits, scales, **options)
@@ -139,6 +148,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     palette: option.PaletteName = None,
     palettes: option.PaletteFile = None,
     within: option.Within = None,
+    split: option.Split = None,
     cap: option.Cap = True,
     device: option.DeviceName = option.DEVICE,
     model: option.ModelName = None,
@@ -146,6 +156,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     reference: option.Reference = None,
     exposure: option.Exposure = 1.0,
     size: option.Size = None,
+    plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
     """The gentlest change that makes a picture reproducible by stated criteria, or why none does.
@@ -156,10 +167,13 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
 
     if out is not None:
         writable(out, *option.PICTURES)
+    if plot is not None:
+        writable(plot, ".png")
     scales = [scale_of(word) for word in parameter]
-    spectra, limits = palette_of(source, palettes, palette), gamut_of(device, model, black)
+    spectra = palette_of(source, palettes, palette)
+    limits = gamut_of(device, model, black, spectra.bands)
     seen = rt.Reference(reference, exposure)
-    system = system_of(source, size)
+    system, spectra = parted(system_of(source, size), spectra, split)
     options: dict[str, Any] = {
         "least_inside": least_inside,
         "most_difference": most_difference,
@@ -169,7 +183,52 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     found = rt.adapt(system, spectra, limits, scales, **options)
     if out is not None and found.accepted:
         _save(out, found.image(system), seen, system, spectra)
+    if plot is not None:
+        draw(plot, "adapted_figure", found, system, spectra, seen)
     typer.echo(json_text(adapted_record(found)) if as_json else repr(found))
+
+
+def map_pixels(  # noqa: PLR0913, PLR0917  # a command names its options
+    source: option.Source,
+    towards: option.Towards = "neutral",
+    smoothness: option.Smoothness = 0.0,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
+    palette: option.PaletteName = None,
+    palettes: option.PaletteFile = None,
+    device: option.DeviceName = option.DEVICE,
+    model: option.ModelName = None,
+    black: option.BlackName = None,
+    reference: option.Reference = None,
+    exposure: option.Exposure = 1.0,
+    size: option.Size = None,
+    plot: option.Plot = None,
+    as_json: option.Json = False,
+) -> None:
+    """Move each pixel outside a gamut into it: the last resort, when no parameter is to change.
+
+    Example: symrt map-pixels globe --palette macbeth --towards neutral --smoothness 2 --out moved.png
+    """
+    from symrt.explore.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
+
+    if out is not None:
+        writable(out, *option.PICTURES)
+    if plot is not None:
+        writable(plot, ".png")
+    spectra = palette_of(source, palettes, palette)
+    limits = gamut_of(device, model, black, spectra.bands)
+    seen = rt.Reference(reference, exposure)
+    system = system_of(source, size)
+    found = rt.map_pixels(system, spectra, limits, towards=towards, smoothness=smoothness, reference=seen)
+    if out is not None:
+        _save(out, found.image, seen, system, spectra)
+    if plot is not None:
+        draw(plot, "mapped_figure", found, system, spectra, seen)
+    typer.echo(json_text(mapped_record(found)) if as_json else repr(found))
+
+
+def _check_together(together: bool, others: dict[str, object]) -> None:
+    if together and (given := [name for name, value in others.items() if value]):
+        raise ValueError(f"--together gives one box for all pixels: leave out {' and '.join(given)}")
 
 
 def _save(out: Path, image: "SpectralImage", seen: "Reference", system: "LinearSystem", palette: "Palette") -> None:

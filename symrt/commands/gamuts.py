@@ -9,6 +9,7 @@ import typer
 import symrt as rt
 from symrt.commands import options as option
 from symrt.commands.arguments import gamut_of, gamuts_of, palette_of, system_of, writable
+from symrt.commands.masks import parted
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
@@ -118,6 +119,7 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
     monitor: option.Monitor = "crt-brainard",
     reference: option.Reference = None,
     exposure: option.Exposure = 1.0,
+    split: option.Split = None,
     size: option.Size = None,
     plot: Annotated[Path | None, typer.Option(help="Map the pixels outside the first gamut (.png).")] = None,
     as_json: option.Json = False,
@@ -130,7 +132,8 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
     gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, spectra.bands)
     if plot is not None:
         writable(plot, ".png")
-    system, seen = system_of(source, size), rt.Reference(reference, exposure)
+    seen = rt.Reference(reference, exposure)
+    system, spectra = parted(system_of(source, size), spectra, split)
     said = rt.report(system, spectra, gamuts, seen)
     if plot is not None:
         draw(plot, "out_of_gamut_map", system, spectra, gamuts[0], seen)

@@ -12,6 +12,7 @@ __all__ = [
     "BlackName",
     "Cap",
     "Components",
+    "Curve",
     "DeviceName",
     "Exposure",
     "Json",
@@ -33,9 +34,13 @@ __all__ = [
     "Region",
     "SceneFile",
     "Size",
+    "Smoothness",
     "Source",
+    "Split",
     "SystemOut",
     "Together",
+    "Towards",
+    "Weights",
     "Within",
 ]
 
@@ -93,7 +98,27 @@ LeastLightness = Annotated[
     float | None, typer.Option("--least-lightness", help="Least mean L*, as a share of that of the image given.")
 ]
 MapRest = Annotated[bool, typer.Option("--map-rest", help="At last, pixels may be moved one by one.")]
+Towards = Annotated[
+    Literal["neutral", "centre", "nearest"], typer.Option("--towards", help="Where pixels outside move.")
+]
+Smoothness = Annotated[float, typer.Option("--smoothness", help="Pixels over which the amount is evened out.")]
 Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
+Weights = Annotated[
+    Path | None,
+    typer.Option("--weights", help="What each pixel counts: a grey picture, white 1; black is left out (.png)."),
+]
+Curve = Annotated[
+    Path | None, typer.Option("--curve", help="Draw what share is outside at each value of one parameter (.png).")
+]
+Split = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--split",
+        metavar="NAME=MATERIAL:X0,Y0,X1,Y1",
+        help="Call a material otherwise in a region: columns X0 … X1-1 and rows Y0 … Y1-1, or "
+        "NAME=MATERIAL:MASK.png where the mask is white; repeatable.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]
 Region = Annotated[

@@ -11,6 +11,7 @@ from symrt.explore.segments import Segment, Segments
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.pairs import JointRegion
+from symrt.feedback.pixelwise import Mapped
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.sensitivity import Sensitivity
 from symrt.gamut.accuracy import basis_report
@@ -29,6 +30,7 @@ __all__ = [
     "gamut_facts",
     "gamut_table",
     "inside_proves",
+    "mapped_record",
     "ranges_table",
     "region_record",
     "segments_record",
@@ -202,6 +204,16 @@ def box_record(found: SafeBox) -> dict[str, Any]:
         "unfixable": _places(found, found.unfixable),
         "share darker than black at the bottom": found.dark,
         "above one at the top": list(found.above_one),
+        "note": found.note,
+        "seconds": found.seconds,
+    }
+
+
+def mapped_record(found: Mapped) -> dict[str, Any]:
+    """What moving pixels one by one did, ready for JSON."""
+    return {
+        "share moved": found.share,
+        "largest move, RMS": float(found.moved.max(initial=0.0)),
         "note": found.note,
         "seconds": found.seconds,
     }

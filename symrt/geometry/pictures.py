@@ -1,4 +1,4 @@
-"""Textures that are pictures (step 1): PNG files whose pixels name materials or weigh them.
+"""Pictures as numbers: textures (step 1), PNG files whose pixels name materials or weigh them; masks and weights.
 
 u runs right and v down from the top row, and outside [0, 1] the picture repeats.
 """
@@ -14,7 +14,7 @@ from PIL import Image
 
 from symrt.geometry.textures import UV, BandedRelief, Checker, Weights, weights
 
-__all__ = ["LabelImage", "WeightImage", "load_texture"]
+__all__ = ["LabelImage", "WeightImage", "grey_picture", "load_texture"]
 
 LARGEST_PICTURE = 1 << 26
 """Pixels a picture may have; a larger one is refused from its header, before it is decoded."""
@@ -132,28 +132,55 @@ def load_texture(texture: Texture, folder: Path) -> Checker | LabelRaster | Weig
     'tiles'
     """
     if isinstance(texture, LabelImage):
-        return LabelRaster(texture.name, texture.materials, _labels(texture, _picture(folder, texture)))
+        return LabelRaster(texture.name, texture.materials, _labels(texture, _pixels(folder, texture)))
     if isinstance(texture, WeightImage):
-        return WeightRaster(texture.name, texture.materials, _pixel_shares(texture, _picture(folder, texture)))
+        return WeightRaster(texture.name, texture.materials, _pixel_shares(texture, _pixels(folder, texture)))
     return texture
 
 
-def _picture(folder: Path, texture: LabelImage | WeightImage) -> Shaped[np.ndarray, "row column *channel"]:
-    """The pixels of a PNG file as they are stored: palette indices stay indices, 16 bits stay 16 bits."""
+def grey_picture(path: str | Path) -> Float[np.ndarray, "row column"]:
+    """The grey of each pixel of a PNG file, from 0, black, to 1, white: a mask, or weights.
+
+    Raises
+    ------
+    ValueError
+        If it is no whole PNG file, larger than 2²⁶ pixels, or not grey of 1, 8 or 16 bits without transparency.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     Image.fromarray(np.array([[0, 51, 255]], dtype=np.uint8)).save(Path(folder) / "weights.png")
+    ...     grey_picture(Path(folder) / "weights.png").tolist()
+    [[0.0, 0.2, 1.0]]
+    """
+    pixels, palette = _png(Path(path), str(path))
+    if pixels.ndim != 2 or palette:
+        kind = "a palette" if palette else f"{pixels.shape[2]} channels"
+        raise ValueError(f"{path}: it has {kind}; save it in grey, without transparency")
+    return pixels / (1 if pixels.dtype.kind == "b" else np.iinfo(pixels.dtype).max)
+
+
+def _pixels(folder: Path, texture: LabelImage | WeightImage) -> Shaped[np.ndarray, "row column *channel"]:
+    return _png(folder / texture.file, f"texture {texture.name}: {texture.file}")[0]
+
+
+def _png(path: Path, where: str) -> tuple[Shaped[np.ndarray, "row column *channel"], bool]:
+    """The pixels of a PNG file as they are stored, 16 bits too, and whether they are indices into a palette."""
     try:
         # Pillow warns of pictures above 89 megapixels; ours are refused by size below, from the header alone.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(folder / texture.file, formats=["PNG"])
+            image = Image.open(path, formats=["PNG"])
         with image:
             _check_size(image)
             pixels = np.asarray(image)
             # Older releases of Pillow hold 16 bits of grey in 32.
-            return pixels.astype(np.uint16) if image.mode == "I" else pixels
+            return pixels.astype(np.uint16) if image.mode == "I" else pixels, image.mode == "P"
     except FileNotFoundError as error:
-        raise ValueError(f"texture {texture.name}: {texture.file}: there is no such file") from error
+        raise ValueError(f"{where}: there is no such file") from error
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise ValueError(f"texture {texture.name}: {texture.file}: {error}; give a whole PNG file") from error
+        raise ValueError(f"{where}: {error}; give a whole PNG file") from error
 
 
 def _check_size(image: Image.Image) -> None:

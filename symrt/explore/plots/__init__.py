@@ -4,6 +4,7 @@ Every function returns a matplotlib ``Figure`` and touches none of matplotlib's 
 show it.  Matplotlib is imported nowhere else.
 """
 
+from symrt.explore.plots.adapting import adapted_figure, mapped_figure
 from symrt.explore.plots.basis import basis_figure
 from symrt.explore.plots.bodies import body_figure, colours_figure, prints_figure
 from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
@@ -13,6 +14,7 @@ from symrt.explore.plots.region import joint_region_figure
 from symrt.explore.plots.style import png
 
 __all__ = [
+    "adapted_figure",
     "basis_figure",
     "body_figure",
     "colours_figure",
@@ -20,6 +22,7 @@ __all__ = [
     "fit_figure",
     "gamut_figure",
     "joint_region_figure",
+    "mapped_figure",
     "out_of_gamut_map",
     "png",
     "prints_figure",

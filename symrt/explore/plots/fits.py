@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from symrt.explore.plots.panels import picture_panel
 from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, wrapped
 from symrt.feedback.reasons import Fit
 from symrt.spectra.palette import Palette
@@ -54,12 +55,8 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
     figure = Drawing(figsize=(WIDTH, height), facecolor="white")
     headline(figure, f"The {found.objective} picture inside the gamut")
     for k, (name, colours) in enumerate((("given", palette), ("fitted", found.palette))):
-        left = (0.25 + k * (PICTURE + 0.15)) / WIDTH
-        axes = figure.add_axes((left, (height - 0.8 - tall) / height, PICTURE / WIDTH, tall / height))
-        axes.imshow(preview(system, colours, reference.exposure, white=white), interpolation="nearest")
-        axes.set_title(name, fontsize=10, color=INK, loc="left")
-        axes.set(xticks=[], yticks=[])
-        axes.set_axis_off()
+        shown = preview(system, colours, reference.exposure, white=white)
+        picture_panel(figure, (0.25 + k * (PICTURE + 0.15), 0.8, PICTURE, tall), shown, name)
     bars = figure.add_axes((0.635, (height - 0.8 - body) / height, 0.13, body / height))
     _draw_factors(bars, found)
     _write_reasons(figure, bars, found)

@@ -1,11 +1,11 @@
-"""Panels with a solid in three coordinates: what the figures of all gamuts share (Figure 1 of the paper)."""
+"""Panels that several figures share: a solid in three coordinates (Figure 1 of the paper), and a picture."""
 
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Shaped
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
@@ -14,7 +14,7 @@ from symrt.explore.plots.style import HAIR, INK
 from symrt.explore.solid import Facet, View, facets, facing, outline
 from symrt.gamut.views import Polyhedron
 
-__all__ = ["Paper", "draw_directions", "panel", "panel_title"]
+__all__ = ["Paper", "draw_directions", "panel", "panel_title", "picture_panel"]
 
 BODY, BODY_LIT = np.array([0.74, 0.79, 0.87]), np.array([0.965, 0.975, 0.99])
 WIDE = 1.42
@@ -23,6 +23,7 @@ TALL = 1.2
 """Height of a panel, of the body's, at least."""
 
 Points = Float[np.ndarray, "point 2"]
+Picture = Shaped[np.ndarray, "height width *channel"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,3 +108,16 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
     """A panel's letter and what it shows, above it."""
     axes.text(0.04, 1.02, letter, transform=axes.transAxes, fontsize=12, weight="bold", color=INK)
     axes.text(0.085, 1.02, text, transform=axes.transAxes, fontsize=10, color=INK)
+
+
+def picture_panel(
+    figure: Figure, place: tuple[float, float, float, float], picture: Picture, title: str, **drawn: Any
+) -> Axes:
+    """A picture with its name above it; `place` is left, top, width and height in inches."""
+    left, top, width, height = place
+    across, tall = figure.get_size_inches()
+    axes = figure.add_axes((left / across, (tall - top - height) / tall, width / across, height / tall))
+    axes.imshow(picture, interpolation="nearest", **drawn)
+    axes.set_title(title, fontsize=10, color=INK, loc="left")
+    axes.set_axis_off()
+    return axes

@@ -1,0 +1,172 @@
+"""A picture on its way into a gamut: by one means after another, or pixel by pixel (step 5 of the paper)."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from symrt.explore.plots.panels import picture_panel
+from symrt.explore.plots.style import ABOVE, FEASIBLE, HAIR, INK, NAME, Drawing, caption, headline, wrapped
+from symrt.feedback.joint.adapted import Adapted
+from symrt.feedback.pixelwise import Mapped
+from symrt.spectra.display import linear_rgb, to_rgb8
+from symrt.spectra.image import SpectralImage
+from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
+from symrt.spectra.shading import shade
+from symrt.system import LinearSystem
+
+__all__ = ["adapted_figure", "mapped_figure"]
+
+WIDTH, PICTURE, ROW = 13.0, 3.4, 0.42
+"""Inches: of the figure, of a picture in it, and the height of one means' row."""
+LETTERS = 28
+"""In a line of a means."""
+
+
+def adapted_figure(
+    found: Adapted, system: LinearSystem, palette: Palette, reference: Reference | None = None
+) -> Drawing:
+    """The picture given, the one accepted, and what each means tried reached of the three criteria.
+
+    If none was accepted, the picture of the last means is shown, and called that.
+
+    Parameters
+    ----------
+    found
+        From `adapt`, of this system and palette.
+    reference
+        The white and the exposure that it was asked with.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.device import load_device
+    >>> from symrt.feedback import Scale, adapt
+    >>> from symrt.gamut import device_gamut
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
+    >>> found = adapt(system, palette, device_gamut(device, "envelope"), [Scale("sea")])
+    >>> adapted_figure(found, system, palette).get_suptitle()
+    'Into the gamut by the gentlest means: reached'
+    """
+    reference = reference or Reference()
+    last = found.accepted or found.steps[-1]
+    figure = Drawing(figsize=(WIDTH, _height(system, ROW * len(found.steps))), facecolor="white")
+    headline(figure, f"Into the gamut by the gentlest means: {found.verdict}")
+    after = shade(system, last.palette) if last.mapped is None else last.mapped
+    _draw_before_and_after(figure, system, palette, reference, after, f"{_name(found)}: {last.means}")
+    _draw_steps(figure, found)
+    text = (
+        f"Asked: {found.criteria} (vertical lines). Green: met; vermilion: lacking. Inside: share of the object "
+        f"pixels; ΔE2000: mean from the picture given; lightness: mean L* as a share of its. Against {found.note}."
+    )
+    caption(figure, wrapped(text, 185))
+    return figure
+
+
+def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
+    """The picture given, the one whose pixels were moved, and how far each moved.
+
+    Parameters
+    ----------
+    found
+        From `map_pixels`, of this system and palette.
+    reference
+        The white and the exposure that it was asked with.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.device import load_device
+    >>> from symrt.feedback import map_pixels
+    >>> from symrt.gamut import device_gamut
+    >>> from symrt.system import Interaction
+    >>> device = load_device("dye3-endura-premier")
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
+    >>> mapped_figure(map_pixels(system, palette, device_gamut(device, "envelope")), system, palette).get_suptitle()
+    'Pixels moved into the gamut one by one: 50.0%'
+    """
+    reference = reference or Reference()
+    figure = Drawing(figsize=(WIDTH, _height(system, 0.0)), facecolor="white")
+    headline(figure, f"Pixels moved into the gamut one by one: {found.share:.1%}")
+    _draw_before_and_after(figure, system, palette, reference, found.image, "moved")
+    colours = {"cmap": "magma", "vmin": 0, "vmax": found.moved.max() or 1.0}
+    place = (0.55 + 2 * PICTURE, 0.8, PICTURE, _tall(system))
+    axes = picture_panel(figure, place, found.moved, "how far each moved", **colours)
+    box = axes.get_position()
+    bar = figure.colorbar(axes.images[0], cax=figure.add_axes((box.x1 + 0.012, box.y0, 0.012, box.height)))
+    bar.set_label("RMS change of reflectance", fontsize=9)
+    bar.outline.set_visible(False)
+    text = (
+        f"{found.share:.2%} of the object pixels moved, by at most {found.moved.max():.3g} RMS; against {found.note}."
+    )
+    caption(figure, wrapped(text, 185))
+    return figure
+
+
+def _name(found: Adapted) -> str:
+    return "accepted" if found.accepted else "not accepted"
+
+
+def _tall(system: LinearSystem) -> float:
+    return min(PICTURE, PICTURE * system.height / system.width)
+
+
+def _height(system: LinearSystem, body: float) -> float:
+    return max(_tall(system), body) + 1.55
+
+
+def _draw_before_and_after(
+    figure: Drawing, system: LinearSystem, palette: Palette, reference: Reference, after: SpectralImage, name: str
+) -> None:
+    white, tall = reference.white(system, palette), _tall(system)
+    for k, (title, image) in enumerate((("given", shade(system, palette)), (name, after))):
+        codes = to_rgb8(linear_rgb(image, reference.exposure, white))
+        picture_panel(figure, (0.25 + k * (PICTURE + 0.15), 0.8, PICTURE, tall), codes, title)
+
+
+def _draw_steps(figure: Drawing, found: Adapted) -> None:
+    """Three panels of bars, a row for each means."""
+    asked = found.criteria
+    panels = (
+        ("inside, %", "inside", [100 * step.inside for step in found.steps], 100 * asked.least_inside),
+        ("ΔE2000", "difference", [step.difference for step in found.steps], asked.most_difference),
+        (
+            "lightness, %",
+            "lightness",
+            [100 * step.lightness for step in found.steps],
+            None if asked.least_lightness is None else 100 * asked.least_lightness,
+        ),
+    )
+    count, height = len(found.steps), figure.get_figheight()
+    body = ROW * count
+    for k, (label, criterion, values, bound) in enumerate(panels):
+        axes = figure.add_axes((0.7 + 0.1 * k, (height - 0.8 - body) / height, 0.088, body / height))
+        lacking = [criterion in asked.lacking(step) for step in found.steps]
+        _draw_bars(axes, values, lacking, bound, label)
+        names = [wrapped(step.means, LETTERS) for step in found.steps] if k == 0 else []
+        axes.set_yticks(range(count) if names else [], names, fontsize=7.5)
+
+
+def _draw_bars(
+    axes: Axes, values: Sequence[float], lacking: Sequence[bool], bound: float | int | None, label: str
+) -> None:
+    axes.barh(range(len(values)), values, height=0.55, color=[ABOVE if short else FEASIBLE for short in lacking])
+    for row, value in enumerate(values):
+        at: dict[str, Any] = {"xytext": (3, 0), "textcoords": "offset points", "va": "center"}
+        axes.annotate(f"{value:.3g}", (value, row), fontsize=7.5, **at, **NAME)
+    if bound is not None:
+        axes.axvline(bound, color=INK, lw=0.9, ls=(0, (3, 2)))
+    axes.set(xlim=(0, 1.3 * max([*values, bound or 0.0, 1e-9])), ylim=(len(values) - 0.5, -0.5))
+    axes.xaxis.set_major_locator(MaxNLocator(2))
+    axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="x", labelsize=7.5, color=HAIR)
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.set_xlabel(label, fontsize=8.5)
