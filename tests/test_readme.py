@@ -52,10 +52,10 @@ def test_the_readmes_commands_run(tmp_path, monkeypatch, capsys):
     text = (SCENES.parent / "README.md").read_text()
     block = text.partition("## On the command line")[2].split("```")[1]
     lines = [line for line in block.splitlines() if line.startswith("symrt ")]
-    assert len(lines) == 8
+    assert len(lines) == 12
     monkeypatch.chdir(tmp_path)
     for line in lines:
         assert main(shlex.split(line.partition("#")[0])[1:]) == 0, line
-    for name in ("globe.png", "region.png", "prints.png", "outside.png"):
-        assert (tmp_path / name).stat().st_size > 10_000
+    for name in ("globe", "region", "curve", "fit", "moved", "prints", "segments", "outside"):
+        assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert '"intervals"' in capsys.readouterr().out
