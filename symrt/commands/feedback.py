@@ -1,43 +1,35 @@
 """Commands that answer for an image and a gamut: what is feasible, and what fits best (step 5 of the paper)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import gamut_of, palette_of, parameter_of, scale_of, system_of, writable
-from symrt.commands.masks import parted, weights_of
+from symrt.commands.arguments import parameter_of, scale_of, writable
+from symrt.commands.masks import weights_of
+from symrt.commands.questions import Question, asking
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
     from symrt.spectra.image import SpectralImage
     from symrt.spectra.palette import Palette
-    from symrt.spectra.reference import Reference
     from symrt.system import LinearSystem
 
 __all__ = ["adapt", "feasible", "fit", "map_pixels"]
 
 
+@asking(Question)
 def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: option.Source,
+    question: Question,
     parameter: option.Parameters,
-    palette: option.PaletteName = None,
-    palettes: option.PaletteFile = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
     of: option.Of = None,
     weights: option.Weights = None,
-    split: option.Split = None,
     together: option.Together = False,
     cap: option.Cap = True,
-    device: option.DeviceName = option.DEVICE,
-    model: option.ModelName = None,
-    black: option.BlackName = None,
-    reference: option.Reference = None,
-    exposure: option.Exposure = 1.0,
-    size: option.Size = None,
     plot: option.Plot = None,
     region: option.Region = None,
     curve: option.Curve = None,
@@ -63,52 +55,41 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         if path is not None:
             writable(path, ".png")
     asked = [parameter_of(word) for word in parameter]
-    spectra = palette_of(source, palettes, palette)
-    limits = gamut_of(device, model, black, spectra.bands)
-    seen = rt.Reference(reference, exposure)
-    system, spectra = parted(system_of(source, size, asked), spectra, split)
-    options = {"within": within, "cap": cap, "reference": seen}
+    gamut, seen = question.gamut, question.seen
+    system, spectra = question.rendered(asked)
+    options: dict[str, Any] = {"within": within, "cap": cap, "reference": seen}
     if together:
         scales = [scale_of(word) for word in parameter]
-        box = rt.safe_box(system, spectra, limits, scales, **(options | {"within": within or (0.01, 3.0)}))
+        box = rt.safe_box(system, spectra, gamut, scales, **(options | {"within": within or (0.01, 3.0)}))
         typer.echo(json_text(box_record(box)) if as_json else repr(box))
         return
     options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
     if region is not None:
         ranges = options | {"within": (within, within)}
-        pairs = rt.joint_region(system, spectra, limits, asked[0], asked[1], **ranges)
+        pairs = rt.joint_region(system, spectra, gamut, asked[0], asked[1], **ranges)
         draw(region, "joint_region_figure", pairs, system, spectra, seen)
         typer.echo(json_text(region_record(pairs)) if as_json else repr(pairs))
         return
     options |= {"weights": weights_of(weights, system)}
-    found = [rt.feasible(system, spectra, limits, one, **options) for one in asked]
+    found = [rt.feasible(system, spectra, gamut, one, **options) for one in asked]
     if curve is not None:
         draw(curve, "curve_figure", found[0])
     if plot is not None:
-        draw(plot, "ranges_figure", found, system, spectra, limits, seen)
+        draw(plot, "ranges_figure", found, system, spectra, gamut, seen)
     answers = [feasible_record(one) for one in found]
-    table = [ranges_table(found)] if len(found) > 1 else []
-    typer.echo(json_text(answers) if as_json else "\n\n".join([*table, *map(repr, found)]))
+    typer.echo(json_text(answers) if as_json else "\n\n".join([ranges_table(found), *map(repr, found)]))
 
 
+@asking(Question)
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: option.Source,
+    question: Question,
     parameter: option.Parameters,
     objective: option.Objective = "lexicographic",
     least_luminance: option.LeastLuminance = 0.5,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
-    palette: option.PaletteName = None,
-    palettes: option.PaletteFile = None,
+    out: option.Out = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
-    split: option.Split = None,
     cap: option.Cap = True,
-    device: option.DeviceName = option.DEVICE,
-    model: option.ModelName = None,
-    black: option.BlackName = None,
-    reference: option.Reference = None,
-    exposure: option.Exposure = 1.0,
-    size: option.Size = None,
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
@@ -118,44 +99,31 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
 
-    if out is not None:
-        writable(out, *option.PICTURES)
-    if plot is not None:
-        writable(plot, ".png")
+    _check_files(out, plot)
     scales = [scale_of(word) for word in parameter]
-    spectra = palette_of(source, palettes, palette)
-    limits = gamut_of(device, model, black, spectra.bands)
-    seen = rt.Reference(reference, exposure)
-    system, spectra = parted(system_of(source, size), spectra, split)
-    options = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
+    gamut, seen = question.gamut, question.seen
+    system, spectra = question.rendered()
+    options: dict[str, Any] = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
-    found = rt.fit(system, spectra, limits, scales, **options)
+    found = rt.fit(system, spectra, gamut, scales, **options)
     if out is not None:
-        _save(out, rt.shade(system, found.palette), seen, system, spectra)
+        _save(out, rt.shade(system, found.palette), question, system, spectra)
     if plot is not None:
         draw(plot, "fit_figure", found, system, spectra, seen)
     typer.echo(json_text(fit_record(found)) if as_json else repr(found))
 
 
+@asking(Question)
 def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: option.Source,
+    question: Question,
     parameter: option.Parameters,
     least_inside: option.LeastInside = 1.0,
     most_difference: option.MostDifference = None,
     least_lightness: option.LeastLightness = None,
     map_rest: option.MapRest = False,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
-    palette: option.PaletteName = None,
-    palettes: option.PaletteFile = None,
+    out: option.Out = None,
     within: option.Within = None,
-    split: option.Split = None,
     cap: option.Cap = True,
-    device: option.DeviceName = option.DEVICE,
-    model: option.ModelName = None,
-    black: option.BlackName = None,
-    reference: option.Reference = None,
-    exposure: option.Exposure = 1.0,
-    size: option.Size = None,
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
@@ -165,42 +133,30 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     from symrt.explore.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
 
-    if out is not None:
-        writable(out, *option.PICTURES)
-    if plot is not None:
-        writable(plot, ".png")
+    _check_files(out, plot)
     scales = [scale_of(word) for word in parameter]
-    spectra = palette_of(source, palettes, palette)
-    limits = gamut_of(device, model, black, spectra.bands)
-    seen = rt.Reference(reference, exposure)
-    system, spectra = parted(system_of(source, size), spectra, split)
+    gamut, seen = question.gamut, question.seen
+    system, spectra = question.rendered()
     options: dict[str, Any] = {
         "least_inside": least_inside,
         "most_difference": most_difference,
         "least_lightness": least_lightness,
     }
     options |= {"map_rest": map_rest, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
-    found = rt.adapt(system, spectra, limits, scales, **options)
+    found = rt.adapt(system, spectra, gamut, scales, **options)
     if out is not None and found.accepted:
-        _save(out, found.image(system), seen, system, spectra)
+        _save(out, found.image(system), question, system, spectra)
     if plot is not None:
         draw(plot, "adapted_figure", found, system, spectra, seen)
     typer.echo(json_text(adapted_record(found)) if as_json else repr(found))
 
 
-def map_pixels(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: option.Source,
+@asking(Question)
+def map_pixels(  # a command names its options
+    question: Question,
     towards: option.Towards = "neutral",
     smoothness: option.Smoothness = 0.0,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")] = None,
-    palette: option.PaletteName = None,
-    palettes: option.PaletteFile = None,
-    device: option.DeviceName = option.DEVICE,
-    model: option.ModelName = None,
-    black: option.BlackName = None,
-    reference: option.Reference = None,
-    exposure: option.Exposure = 1.0,
-    size: option.Size = None,
+    out: option.Out = None,
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
@@ -210,17 +166,12 @@ def map_pixels(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     from symrt.explore.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
 
+    _check_files(out, plot)
+    gamut, seen = question.gamut, question.seen
+    system, spectra = question.rendered()
+    found = rt.map_pixels(system, spectra, gamut, towards=towards, smoothness=smoothness, reference=seen)
     if out is not None:
-        writable(out, *option.PICTURES)
-    if plot is not None:
-        writable(plot, ".png")
-    spectra = palette_of(source, palettes, palette)
-    limits = gamut_of(device, model, black, spectra.bands)
-    seen = rt.Reference(reference, exposure)
-    system = system_of(source, size)
-    found = rt.map_pixels(system, spectra, limits, towards=towards, smoothness=smoothness, reference=seen)
-    if out is not None:
-        _save(out, found.image, seen, system, spectra)
+        _save(out, found.image, question, system, spectra)
     if plot is not None:
         draw(plot, "mapped_figure", found, system, spectra, seen)
     typer.echo(json_text(mapped_record(found)) if as_json else repr(found))
@@ -231,7 +182,15 @@ def _check_together(together: bool, others: dict[str, object]) -> None:
         raise ValueError(f"--together gives one box for all pixels: leave out {' and '.join(given)}")
 
 
-def _save(out: Path, image: "SpectralImage", seen: "Reference", system: "LinearSystem", palette: "Palette") -> None:
+def _check_files(out: Path | None, plot: Path | None) -> None:
+    if out is not None:
+        writable(out, *option.PICTURES)
+    if plot is not None:
+        writable(plot, ".png")
+
+
+def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> None:
     """A picture is seen as the fit was asked; other files hold the radiances as they are."""
+    seen = question.seen
     view = {"exposure": seen.exposure, "reference": seen.white(system, palette)} if out.suffix.lower() == ".png" else {}
     rt.save_image(out, image, **view)

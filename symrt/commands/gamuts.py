@@ -9,7 +9,7 @@ import typer
 import symrt as rt
 from symrt.commands import options as option
 from symrt.commands.arguments import gamut_of, gamuts_of, palette_of, system_of, writable
-from symrt.commands.masks import parted
+from symrt.commands.questions import Picture, asking
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
@@ -110,17 +110,12 @@ def _segments(
     return segments_record(segments), segments_table(segments)
 
 
-def report(  # noqa: PLR0913, PLR0917  # a command names its options
-    source: option.Source,
-    palette: option.PaletteName = None,
-    palettes: option.PaletteFile = None,
+@asking(Picture)
+def report(  # a command names its options
+    picture: Picture,
     device: option.DeviceName = option.DEVICE,
     model: option.Models = None,
     monitor: option.Monitor = "crt-brainard",
-    reference: option.Reference = None,
-    exposure: option.Exposure = 1.0,
-    split: option.Split = None,
-    size: option.Size = None,
     plot: Annotated[Path | None, typer.Option(help="Map the pixels outside the first gamut (.png).")] = None,
     as_json: option.Json = False,
 ) -> None:
@@ -128,13 +123,11 @@ def report(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt report globe --palette macbeth --model envelope --model hull
     """
-    spectra = palette_of(source, palettes, palette)
-    gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, spectra.bands)
+    gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, picture.given.bands)
     if plot is not None:
         writable(plot, ".png")
-    seen = rt.Reference(reference, exposure)
-    system, spectra = parted(system_of(source, size), spectra, split)
-    said = rt.report(system, spectra, gamuts, seen)
+    system, spectra = picture.rendered()
+    said = rt.report(system, spectra, gamuts, picture.seen)
     if plot is not None:
-        draw(plot, "out_of_gamut_map", system, spectra, gamuts[0], seen)
+        draw(plot, "out_of_gamut_map", system, spectra, gamuts[0], picture.seen)
     typer.echo(json_text(asdict(said)) if as_json else str(said))

@@ -26,6 +26,7 @@ __all__ = [
     "MostDifference",
     "Objective",
     "Of",
+    "Out",
     "PaletteFile",
     "PaletteName",
     "Parameters",
@@ -98,6 +99,7 @@ LeastLightness = Annotated[
     float | None, typer.Option("--least-lightness", help="Least mean L*, as a share of that of the image given.")
 ]
 MapRest = Annotated[bool, typer.Option("--map-rest", help="At last, pixels may be moved one by one.")]
+Out = Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")]
 Towards = Annotated[
     Literal["neutral", "centre", "nearest"], typer.Option("--towards", help="Where pixels outside move.")
 ]

@@ -1,0 +1,97 @@
+"""What commands on a picture, and on a picture and a gamut, all have in common: their words, each listed once."""
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property, wraps
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import symrt as rt
+from symrt.commands import options as option
+from symrt.commands.arguments import gamut_of, palette_of, system_of
+from symrt.commands.masks import parted
+
+if TYPE_CHECKING:
+    from symrt.feedback.parameters import Parameter
+    from symrt.gamut.gamuts import AnyGamut
+    from symrt.gamut.intersections import AnyIntersection
+    from symrt.spectra.palette import Palette
+    from symrt.spectra.reference import Reference
+    from symrt.system import LinearSystem
+
+__all__ = ["Picture", "Question", "asking"]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A scene or a system with its spectra, and the white that it is seen against."""
+
+    source: option.Source
+    palette: option.PaletteName = None
+    palettes: option.PaletteFile = None
+    split: option.Split = None
+    reference: option.Reference = None
+    exposure: option.Exposure = 1.0
+    size: option.Size = None
+
+    @cached_property
+    def given(self) -> "Palette":
+        """The palette as its file has it: known before anything is rendered."""
+        return palette_of(self.source, self.palettes, self.palette)
+
+    @cached_property
+    def seen(self) -> "Reference":
+        """The white and the exposure."""
+        return rt.Reference(self.reference, self.exposure)
+
+    def rendered(self, asked: "Sequence[Parameter]" = ()) -> "tuple[LinearSystem, Palette]":
+        """The system and the palette, with names for the regions that were split off."""
+        given, _ = self.given, self.seen
+        return parted(system_of(self.source, self.size, asked), given, self.split)
+
+
+@dataclass(frozen=True)
+class Question(Picture):
+    """A picture, and the gamut that it is asked about."""
+
+    device: option.DeviceName = option.DEVICE
+    model: option.ModelName = None
+    black: option.BlackName = None
+
+    @cached_property
+    def gamut(self) -> "AnyGamut | AnyIntersection":
+        """The gamut, on the palette's bands."""
+        return gamut_of(self.device, self.model, self.black, self.given.bands)
+
+
+Kind = TypeVar("Kind", bound=Picture)
+
+
+def asking(kind: type[Kind]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make of a function of a picture, or a question, and words of its own a command that has the words of both.
+
+    Examples
+    --------
+    >>> @asking(Picture)
+    ... def look(picture: Picture, closely: bool = False) -> None:
+    ...     print(picture.source, picture.exposure, closely)
+    >>> look(source="globe", exposure=2.0, closely=True)
+    globe 2.0 True
+    >>> list(inspect.signature(look).parameters)[:3]
+    ['source', 'closely', 'palette']
+    """
+
+    def made(function: Callable[..., None]) -> Callable[..., None]:
+        _, *own = inspect.signature(function, eval_str=True).parameters.values()
+        source, *common = inspect.signature(kind, eval_str=True).parameters.values()
+        words = [one.replace(kind=inspect.Parameter.KEYWORD_ONLY) for one in (source, *own, *common)]
+
+        @wraps(function)
+        def command(**given: Any) -> None:
+            function(kind(**{one.name: given.pop(one.name) for one in fields(kind) if one.name in given}), **given)
+
+        command.__signature__ = inspect.Signature(words)  # type: ignore[attr-defined]
+        command.__annotations__ = {one.name: one.annotation for one in words} | {"return": None}
+        return command
+
+    return made
