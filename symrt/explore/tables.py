@@ -20,6 +20,7 @@ from symrt.gamut.files import SavedGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
+from symrt.table import text_table
 
 __all__ = [
     "adapted_record",
@@ -142,7 +143,7 @@ def feasible_record(found: Feasible) -> dict[str, Any]:
 def ranges_table(ranges: Sequence[Feasible]) -> str:
     """Feasible ranges one below the other, each with its verdict and what stops it."""
     head = ("parameter", "low", "high", "verdict", "left out", "stopped above by", "above 1 there")
-    return _table([head, *(row for found in ranges for row in _rows(found))])
+    return text_table(head, [row for found in ranges for row in _rows(found)], ruled=True)
 
 
 def fits_table(fits: Mapping[str, Fit]) -> str:
@@ -150,7 +151,7 @@ def fits_table(fits: Mapping[str, Fit]) -> str:
     last = list(fits.values())[-1]
     head = ("scale of", *fits, f"stopped in the {last.objective}")
     body = [(n, *(f"{f.values[n]:.4g}" for f in fits.values()), str(last.reasons[n])) for n in last.values]
-    return _table([head, *body])
+    return text_table(head, body, ruled=True)
 
 
 def fit_record(found: Fit) -> dict[str, Any]:
@@ -249,7 +250,7 @@ def segments_table(found: Segments) -> str:
     """The part of each material's segment that a gamut holds, and of each blend's, with what ends it."""
     head = ("low", "high", "stopped below by", "stopped above by")
     named = [("scale of", found.scaled), ("blend of, with", found.blended)]
-    tables = [_table([(name, *head), *map(_segment_row, _spans(some))]) for name, some in named if some]
+    tables = [text_table((n, *head), map(_segment_row, _spans(some)), ruled=True) for n, some in named if some]
     facing = (
         f"Facing {found.light}, exposure {found.exposure:g}; no physical cap. Against {found.gamut.name}: inside is"
     )
@@ -303,12 +304,6 @@ def _segment_row(part: tuple[Segment, int | None]) -> tuple[str, ...]:
         return name, "none", "none", "-", "-"
     (low, high), (below, above) = segment.inside[k], segment.stops[k]
     return name, f"{low:.4g}", f"{high:.4g}", below or "-", above or "-"
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> str:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-    return "\n".join([lines[0], "-" * max(map(len, lines)), *lines[1:]])
 
 
 def _reason(reason: Reason) -> dict[str, Any]:

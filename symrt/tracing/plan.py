@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from symrt.scene.lights import AmbientLight, Light
 from symrt.scene.records import Scene
+from symrt.table import html_table, text_table
 
 __all__ = ["Alternatives", "Effect", "Plan", "direct_lights", "mirroring", "plan"]
 
@@ -54,13 +55,10 @@ class Plan:
         return any(effect.simulated for effect in self.effects if effect.name == name)
 
     def __str__(self) -> str:
-        rows = [HEAD, *(effect.row for effect in self.effects)]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+        return text_table(HEAD, [effect.row for effect in self.effects])
 
     def _repr_html_(self) -> str:
-        rows = [f"<tr>{''.join(f'<td>{cell}</td>' for cell in effect.row)}</tr>" for effect in self.effects]
-        return f"<table><tr>{''.join(f'<th>{cell}</th>' for cell in HEAD)}</tr>{''.join(rows)}</table>"
+        return html_table(HEAD, [effect.row for effect in self.effects])
 
 
 def plan(scene: Scene, alternatives: Alternatives | None = None) -> Plan:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symrt.scene.records import Scene
+from symrt.table import html_table, text_table
 from symrt.tracing.raytree import Level, RayTree
 from symrt.tracing.tracer import trace
 
@@ -48,14 +49,13 @@ class Probe:
     hidden: float
     seconds: float
 
+    @property
+    def rows(self) -> list[tuple[str, ...]]:
+        """The meetings as rows of text."""
+        return [(m.light, m.material, str(m.bounces), f"{m.share:.1%}", f"{m.hidden:.1%}") for m in self.meetings]
+
     def __str__(self) -> str:
-        rows = [
-            HEAD,
-            *((m.light, m.material, str(m.bounces), f"{m.share:.1%}", f"{m.hidden:.1%}") for m in self.meetings),
-        ]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        table = "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
-        return f"{table}\n{self._effects()}"
+        return f"{text_table(HEAD, self.rows)}\n{self._effects()}"
 
     def _effects(self) -> str:
         return (
@@ -64,11 +64,7 @@ class Probe:
         )
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{m.light}</td><td>{m.material}</td><td>{m.bounces}</td><td>{m.share:.1%}</td><td>{m.hidden:.1%}</td></tr>"
-            for m in self.meetings
-        )
-        return f"<table><tr>{''.join(f'<th>{h}</th>' for h in HEAD)}</tr>{rows}</table><p>{self._effects()}</p>"
+        return f"{html_table(HEAD, self.rows)}<p>{self._effects()}</p>"
 
 
 def probe(scene: Scene, rays: int = 4096) -> Probe:
