@@ -12,6 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import sparse
 
+from symrt.table import html_table
+
 __all__ = ["Interaction", "LinearSystem", "Nodes", "Shares", "Tail"]
 
 MOST_NODES = 256
@@ -205,9 +207,6 @@ class LinearSystem:
 
     def _repr_html_(self) -> str:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))
-        rows = "".join(
-            f"<tr><td><code>{interaction}</code></td><td>{interaction.degree}</td><td>{count}</td></tr>"
-            for interaction, count in zip(self.interactions, pixels, strict=True)
-        )
-        head = "<tr><th>interaction</th><th>degree</th><th>pixels</th></tr>"
-        return f"<p>{self.width} × {self.height} pixels</p><table>{head}{rows}</table>"
+        rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
+        table = html_table(("interaction", "degree", "pixels"), rows)
+        return f"<p>{self.width} × {self.height} pixels</p>{table}"

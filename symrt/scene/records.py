@@ -4,7 +4,6 @@ A record says what is wrong with it when it is made, all of it at once, one line
 that exists can be traced.
 """
 
-import html
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,6 +18,7 @@ from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import AmbientLight, Light, PointLight
+from symrt.table import html_table
 
 if TYPE_CHECKING:
     from symrt.reflection.models import Model
@@ -159,8 +159,7 @@ class Scene:
         rows += [("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}") for m in self.materials]
         rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
         rows += [(type(shape).__name__, _shape_text(shape), _details(shape)) for shape in self.shapes]
-        cells = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
-        return f"<table><tr><th>what</th><th>name or material</th><th></th></tr>{cells}</table>"
+        return html_table(("what", "name or material", ""), rows)
 
 
 def _model_faults(models: tuple[Any, ...]) -> Iterator[str]:
