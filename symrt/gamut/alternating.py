@@ -24,10 +24,10 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Int
 
-from symrt.arrays import PixelBands, Spectrum
+from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.hull import HullGamut
-from symrt.gamut.interface import ConvexGamut, SlabGamut
+from symrt.gamut.interface import WIDER, ConvexGamut, SlabGamut, of_one_band
 from symrt.gamut.joining import clipped_by_all, joined
 from symrt.gamut.polyhedra import Normals, Offsets, deepest, halfspaces, nearest_point
 
@@ -37,6 +37,8 @@ THIN = 1e-9
 """An intersection that holds no ball larger than this counts as empty."""
 AIM = 1e-9
 """Change of the moves in a round, by root of the sum of their squares, at which the projections stop."""
+FAR = 2.0**-43
+"""Share of a spectrum's length that its nearest point may be off by: of what is far away, projections stop there."""
 TURNS = 50
 ROUNDS = 1000
 """Planes that are tried before a search is given up as hopeless."""
@@ -117,7 +119,7 @@ def _projected(parts: Sequence[ConvexGamut], points: PixelBands) -> PixelBands:
 def _by_turns(turns: Sequence[Project], points: PixelBands) -> tuple[PixelBands, Int[np.ndarray, " row"]]:
     """Dykstra's projections, and the points that they have not brought to rest."""
     found, rows = points.copy(), np.arange(len(points))
-    moves = np.zeros((len(turns), *points.shape))
+    moves, aim = np.zeros((len(turns), *points.shape)), _aims(points)
     for _ in range(TURNS):
         change = np.zeros(len(rows))
         for turn, project in enumerate(turns):
@@ -125,15 +127,20 @@ def _by_turns(turns: Sequence[Project], points: PixelBands) -> tuple[PixelBands,
             found[rows] = project(given)
             change += np.sum((found[rows] - given - moves[turn, rows]) ** 2, axis=1)
             moves[turn, rows] = found[rows] - given
-        rows = rows[change > AIM**2]
+        rows = rows[change > aim[rows] ** 2]
         if not rows.size:
             break
     return found, rows
 
 
+def _aims(points: PixelBands) -> PerPixel:
+    return np.maximum(AIM, FAR * np.linalg.norm(points, axis=1))
+
+
 def _from_outside(planes: tuple[Normals, Offsets], others: Sequence[ConvexGamut], points: PixelBands) -> PixelBands:
     """The nearest point of a polyhedron, which gets one more plane for every part that the point still misses."""
     known, found, rows = [planes] * len(points), points.copy(), np.arange(len(points))
+    aim = _aims(points)
     for _ in range(ROUNDS):
         for row in rows:
             found[row] = nearest_point(*known[row], points[row])
@@ -141,11 +148,11 @@ def _from_outside(planes: tuple[Normals, Offsets], others: Sequence[ConvexGamut]
         for part in others:
             near = part.nearest(found[rows])
             length = np.linalg.norm(found[rows] - near, axis=1)
-            for i in np.flatnonzero(length > AIM):
+            for i in np.flatnonzero(length > aim[rows]):
                 ahead = (found[rows[i]] - near[i]) / length[i]
                 normals, offsets = known[rows[i]]
                 known[rows[i]] = np.vstack([normals, ahead]), np.append(offsets, ahead @ near[i])
-            missed |= length > AIM
+            missed |= length > aim[rows]
         rows = rows[missed]
         if not rows.size:
             return found
@@ -176,7 +183,9 @@ def _planes(parts: Sequence[ConvexGamut]) -> tuple[Normals, Offsets, list[Convex
     if not slabs:
         return np.empty((0, len(parts[0].bands))), np.empty(0), others
     whole = joined(slabs)
-    return *halfspaces(whole.matrix, whole.lower, whole.upper), others
+    # Slabs of colours are wider than their gamuts, so that lines through the boundary are inside.
+    wider = np.where(of_one_band(whole.matrix), 0, WIDER)
+    return *halfspaces(whole.matrix, whole.lower + wider, whole.upper - wider), others
 
 
 def _deepest(normals: Normals, offsets: Offsets, others: Sequence[ConvexGamut]) -> tuple[Spectrum, float]:

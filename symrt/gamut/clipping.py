@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-__all__ = ["INWARD", "Interval", "blocking", "clip_slabs"]
+__all__ = ["INWARD", "Interval", "blocking", "check_lines", "clip_slabs"]
 
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
@@ -129,7 +129,7 @@ def clip_slabs(
             again = np.flatnonzero(careful) if ordinary else np.arange(len(q))
             if again.size:
                 numbers = np.arange(pixels)[rows][again]
-                _check_finite(q[again], d[again], numbers)
+                check_lines(q[again], d[again], numbers)
                 near, far, doubt = _scaled_quotients(lower, upper, q[again], d[again])
                 ends[0][again], ends[1][again] = near.max(axis=1), far.min(axis=1)
                 doubtful[numbers] = doubt.any(axis=1)
@@ -145,7 +145,7 @@ def blocking(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> I
     >>> blocking(np.zeros(2), np.ones(2), np.array([[0.5, 0.5]]), np.array([[0.1, -0.4]])).tolist()
     [[1], [1]]
     """
-    _check_finite(origin, direction, np.arange(len(origin)))
+    check_lines(origin, direction, np.arange(len(origin)))
     with np.errstate(all="ignore"):
         near, far, _ = _scaled_quotients(lower, upper, origin, direction)
     return np.array([near.argmax(axis=1), far.argmin(axis=1)])
@@ -158,7 +158,7 @@ def _resting(lower: Bounds, upper: Bounds, q: Lines, start: int) -> tuple[Ends, 
         return np.full(len(q), -np.inf), np.full(len(q), np.inf)
     inside = met.all(axis=1)
     outside = np.flatnonzero(~inside)
-    _check_finite(q[outside], np.zeros_like(q[outside]), start + outside)
+    check_lines(q[outside], np.zeros_like(q[outside]), start + outside)
     return np.where(inside, -np.inf, np.inf), np.where(inside, np.inf, -np.inf)
 
 
@@ -302,7 +302,15 @@ def _check_bounds(lower: Bounds, upper: Bounds) -> None:
         )
 
 
-def _check_finite(origin: Lines, direction: Lines, pixels: Int[np.ndarray, " pixel"]) -> None:
+def check_lines(origin: Lines, direction: Lines, pixels: Int[np.ndarray, " pixel"]) -> None:
+    """Refuse lines that are not finite, and name the pixel, by its number among `pixels`.
+
+    Examples
+    --------
+    >>> check_lines(np.zeros((1, 2)), np.array([[1.0, np.inf]]), np.array([7]))
+    Traceback (most recent call last):
+    ValueError: pixel 7, slab 1: the direction is inf; shade with finite spectra
+    """
     for name, values in (("origin", origin), ("direction", direction)):
         wrong = ~np.isfinite(values)
         if wrong.any():

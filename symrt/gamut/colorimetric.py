@@ -19,7 +19,7 @@ from symrt.arrays import PerPixel, PixelBands
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ROUNDING, Slabs, check_finite
+from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 
@@ -83,25 +83,28 @@ class ColorimetricGamut(OfPrinter):
 
     def violation(self, spectra: PixelBands) -> PerPixel:
         """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside, and within rounding of it."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         worst = ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1)
-        return np.where(worst <= ROUNDING, 0.0, worst)
+        return beyond_rounding(worst, spectra, self.observer)
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum nearest to each, by root mean square, among those whose colour is inside."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         # In coordinates in which a colour's length is that of the least reflectance with it, nearest is nearest.
         square = self.observer.T @ self.observer
         to_colour = np.linalg.cholesky(square)
         to_length = np.linalg.inv(to_colour)
-        xyz = spectra @ self.observer
-        mixtures, _ = nearest_mixtures(self.colours @ to_length.T, xyz @ to_length.T)
-        change = np.where(self.contains(spectra)[:, None], 0.0, mixtures @ to_colour.T - xyz)
-        return spectra + change @ np.linalg.solve(square, self.observer.T)
+        nearest = spectra.copy()
+        for _ in range(2):  # the second time takes out what rounding left of the first, far away
+            rows = np.flatnonzero(~self.contains(nearest))
+            xyz = nearest[rows] @ self.observer
+            mixtures, _ = nearest_mixtures(self.colours @ to_length.T, xyz @ to_length.T)
+            nearest[rows] += (mixtures @ to_colour.T - xyz) @ np.linalg.solve(square, self.observer.T)
+        return nearest
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product with a spectrum whose colour is inside; ``inf`` unless colour alone decides it."""
-        check_finite(directions, self.bands)
+        check_spectra(directions, self.bands, ANY)
         along = np.linalg.lstsq(self.observer, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.observer.T).max(axis=1)
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
@@ -113,7 +116,7 @@ class ColorimetricGamut(OfPrinter):
         count = len(self.offsets)
         words = tuple(f"the {side} side of the {self.name}" for side in self._sides())
         no = np.zeros(count, dtype=bool)
-        outer = self.offsets + ROUNDING
+        outer = self.offsets + WIDER
         return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)
 
     def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:

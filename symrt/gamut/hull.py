@@ -12,8 +12,8 @@ from jaxtyping import Bool
 
 from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device
-from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import check_finite
+from symrt.gamut.clipping import Interval, check_lines
+from symrt.gamut.interface import ANY, check_spectra
 from symrt.gamut.mixtures import EXACT, nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
@@ -65,12 +65,12 @@ class HullGamut(OfPrinter):
 
     def distance(self, spectra: PixelBands) -> PerPixel:
         """Root mean square difference from the nearest mixture of prints."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         return np.linalg.norm(spectra - nearest_mixtures(self.device.samples, spectra)[0], axis=1) / self._root
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
         """Whether each spectrum is inside; the boundary is."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         enough = self.tolerance * self._root
         mixtures, _ = nearest_mixtures(self.device.samples, spectra, enough=enough)
         return np.linalg.norm(spectra - mixtures, axis=1) <= enough + EXACT
@@ -82,7 +82,7 @@ class HullGamut(OfPrinter):
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum of the gamut that is nearest to each: at the tolerance from the nearest mixture."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         mixtures, _ = nearest_mixtures(self.device.samples, spectra)
         away = spectra - mixtures
         length, enough = np.linalg.norm(away, axis=1, keepdims=True), self.tolerance * self._root
@@ -91,7 +91,7 @@ class HullGamut(OfPrinter):
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut."""
-        check_finite(directions, self.bands)
+        check_spectra(directions, self.bands, ANY)
         prints = (directions @ self.device.samples.T).max(axis=1)
         return prints + self.tolerance * self._root * np.linalg.norm(directions, axis=1)
 
@@ -102,6 +102,7 @@ class HullGamut(OfPrinter):
         outside too.  Cuts at the middle find a point inside or prove that there is none; cuts at the ends, Newton's
         method for the distance, which is convex, close in on the boundary.
         """
+        check_lines(origin, direction, np.arange(len(origin)))
         still = ~direction.any(axis=1)
         # Squares of directions of any length neither overflow nor vanish once they are brought near 1, by powers of 2.
         scale = np.frexp(np.abs(direction).max(axis=1))[1]
@@ -224,8 +225,8 @@ def hull_gamut(device: Device, tolerance: Number = TOLERANCE) -> HullGamut:
     >>> gamut.tolerance == gamut.gap, 0.001 < gamut.gap < 0.01
     (True, True)
     """
-    if not tolerance >= 0:
-        raise ValueError(f"tolerance = {tolerance}: a root mean square difference of reflectances is 0 or more")
+    if not 0 <= tolerance <= 1:
+        raise ValueError(f"tolerance = {tolerance}: a root mean square difference of reflectances is from 0 to 1")
     gap = _sampling_gap(device)
     return HullGamut(device, max(float(tolerance), gap), gap)
 

@@ -9,14 +9,21 @@ from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.device.printing import Device
-from symrt.gamut.clipping import Interval, clip_slabs
+from symrt.gamut.clipping import Interval, check_lines, clip_slabs
 from symrt.spectra.bands import Bands
 
-__all__ = ["ConvexGamut", "SlabGamut", "Slabs", "check_finite", "clip", "stacked"]
+__all__ = ["ANY", "ROUNDING", "WIDER", "ConvexGamut", "SlabGamut", "Slabs", "beyond_rounding", "check_spectra", "clip"]
+__all__ += ["of_one_band", "stacked"]
 
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
+WIDER = ROUNDING / 2
+"""By which lines are clipped wider where products are rounded: one through the boundary itself is inside."""
 UNIT = 2.0**-53
+LARGEST = 1e9
+"""Of a reflectance; where numbers are larger, rounding may be as large as a gamut."""
+ANY = float(np.finfo(float).max)
+"""Of a direction."""
 
 Places = Float[np.ndarray, "pixel slab"]
 
@@ -62,12 +69,15 @@ class Slabs:
         Each product is off by a share of what it would be if nothing cancelled.  A first clip says how large t gets;
         a second one keeps off every bound by as much as the products can be off there.
         """
+        check_lines(origin, direction, np.arange(len(origin)))
         start, rate = origin @ self.matrix, direction @ self.matrix
         first = clip_slabs(self.lower, self.upper, start, rate)
         ends = np.stack([first.low, first.high])
         far = np.abs(np.where(np.isfinite(ends), ends, 0.0)).max(axis=0)
         size, growth = np.abs(origin) @ np.abs(self.matrix), np.abs(direction) @ np.abs(self.matrix)
-        off = 4 * (len(self.matrix) + 2) * UNIT * (size + far[:, None] * growth)
+        # The product with a band alone is exact.
+        terms = np.where(of_one_band(self.matrix), 0, len(self.matrix) + 2)
+        off = 4 * terms * UNIT * (size + far[:, None] * growth)
         # A slab that the line does not cross asks for nothing: it was decided by the first clip.
         still = rate == 0
         above, below = (np.where(still, start, start + sign * off) for sign in (1.0, -1.0))
@@ -131,19 +141,49 @@ class SlabGamut(ConvexGamut, Protocol):
         """The same gamut for reflectances against another white."""
 
 
-def check_finite(spectra: PixelBands, bands: Bands) -> None:
-    """Refuse spectra that are no numbers: nothing is inside or outside then.
+def of_one_band(matrix: Float[np.ndarray, "band slab"]) -> Bool[np.ndarray, " slab"]:
+    """Slabs that bound a band itself, not a multiple of it, nor several.
+
+    Examples
+    --------
+    >>> of_one_band(np.array([[1.0, 2.0, 0.5], [0.0, 0.0, 0.5]]))
+    array([ True, False, False])
+    """
+    return (np.count_nonzero(matrix, axis=0) == 1) & (matrix.sum(axis=0) == 1)
+
+
+def check_spectra(spectra: PixelBands, bands: Bands, largest: float = LARGEST) -> None:
+    """Refuse spectra in other bands, and numbers that no reflectance is: nothing is inside or outside then.
 
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> check_finite(np.array([[0.5, np.nan, 0.5]]), RGB)
+    >>> check_spectra(np.array([[0.5, np.nan, 0.5]]), RGB)
     Traceback (most recent call last):
     ValueError: spectrum 0 is nan at green: give finite numbers
     """
-    if not np.isfinite(spectra).all():
-        row, band = (int(k) for k in np.argwhere(~np.isfinite(spectra))[0])
-        raise ValueError(f"spectrum {row} is {spectra[row, band]} at {bands.labels[band]}: give finite numbers")
+    if spectra.ndim != 2 or spectra.shape[1] != len(bands):
+        raise ValueError(
+            f"spectra are {spectra.shape}, and the gamut is in {bands!r}: give a row a spectrum, and a column a band"
+        )
+    wrong = ~(np.abs(spectra) <= largest)
+    if wrong.any():
+        row, band = (int(k) for k in np.argwhere(wrong)[0])
+        value = spectra[row, band]
+        remedy = f"no reflectance is beyond {largest:g}" if np.isfinite(value) else "give finite numbers"
+        raise ValueError(f"spectrum {row} is {value} at {bands.labels[band]}: {remedy}")
+
+
+def beyond_rounding(excess: PerPixel, spectra: PixelBands, matrix: Float[np.ndarray, "band slab"]) -> PerPixel:
+    """What products of spectra with a matrix exceed their bounds by; 0 where it is no more than their rounding.
+
+    Examples
+    --------
+    >>> beyond_rounding(np.array([1e-9, 1e-9]), np.array([[1.0], [1e6]]), np.eye(1))
+    array([1.e-09, 0.e+00])
+    """
+    size = np.abs(spectra).max(axis=1, initial=0.0) * np.abs(matrix).sum(axis=0).max()
+    return np.where(excess <= ROUNDING * np.maximum(size, 1.0), 0.0, excess)
 
 
 def stacked(slabs: Sequence[Slabs], bands: int) -> Slabs:

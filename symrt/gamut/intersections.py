@@ -18,7 +18,7 @@ from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.device.printing import Device
 from symrt.gamut.alternating import THIN, deep_inside, nearest_to_all
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, check_finite
+from symrt.gamut.interface import ANY, ConvexGamut, SlabGamut, Slabs, check_spectra
 from symrt.gamut.joining import boxed, clipped_by_all, common_intervals, joined, named
 from symrt.gamut.polyhedra import supports
 from symrt.gamut.recipes import InkGamut
@@ -168,13 +168,14 @@ class SlabIntersection(_Parts):
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum of the gamut that is nearest to each, by root mean square."""
-        check_finite(spectra, self.bands)
         if boxed(self.slabs):
+            check_spectra(spectra, self.bands)
             return np.clip(spectra, self.slabs.lower, self.slabs.upper)
         return _nearest(self, spectra)
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product of each direction with a spectrum of the gamut; ``inf`` where there is none."""
+        check_spectra(directions, self.bands, ANY)
         slabs = self.slabs
         if boxed(slabs):
             return np.where(directions > 0, directions * slabs.upper, directions * slabs.lower).sum(axis=1)
@@ -325,6 +326,7 @@ def _empty(found: Intersection | SlabIntersection) -> bool:
 
 
 def _nearest(found: Intersection | SlabIntersection, spectra: PixelBands) -> PixelBands:
+    check_spectra(spectra, found.bands)
     if _empty(found):
         raise ValueError(f"{found.name}: nothing is inside under this white, so that nothing is the nearest")
     return nearest_to_all(found.parts, found.inner[0], spectra)

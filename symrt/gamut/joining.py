@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool
 
 from symrt.arrays import PixelBands
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
+from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, of_one_band, stacked
 
 __all__ = ["boxed", "clipped_by_all", "common_intervals", "joined", "named"]
 
@@ -31,7 +30,7 @@ def joined(each: Sequence[Slabs]) -> Slabs:
     lower, upper, dark, extrapolated = (
         getattr(whole, name).copy() for name in ("lower", "upper", "dark", "extrapolated")
     )
-    bands, alone = whole.bands, _alone(whole)
+    bands, alone = whole.bands, of_one_band(whole.matrix)
     taken = []
     for slab, own in enumerate(alone):
         same = np.flatnonzero(alone & (bands == bands[slab])) if own else np.array([slab])
@@ -74,12 +73,7 @@ def boxed(slabs: Slabs) -> bool:
     >>> boxed(box), boxed(monitor_gamut(load_monitor("crt-brainard")).slabs)
     (True, False)
     """
-    return bool(_alone(slabs).all() and slabs.matrix.shape[0] == slabs.matrix.shape[1])
-
-
-def _alone(slabs: Slabs) -> Bool[np.ndarray, " slab"]:
-    """Slabs that bound a band itself, not a multiple of it."""
-    return (np.count_nonzero(slabs.matrix, axis=0) == 1) & (slabs.matrix.sum(axis=0) == 1)
+    return bool(of_one_band(slabs.matrix).all() and slabs.matrix.shape[0] == slabs.matrix.shape[1])
 
 
 def clipped_by_all(parts: Sequence[ConvexGamut], origin: PixelBands, direction: PixelBands) -> Interval:

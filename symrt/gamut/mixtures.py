@@ -103,7 +103,7 @@ def _mixed(
         weights = _by_corrals(away.T / scale)
     used = weights > 0
     weights = weights[used] / weights[used].sum()
-    return taking_part[used], spectrum + away[:, used] @ weights
+    return taking_part[used], weights @ samples[taking_part[used]]
 
 
 def _by_corrals(points: Float[np.ndarray, "few band"]) -> Float[np.ndarray, " few"]:

@@ -17,7 +17,7 @@ from symrt.device.colorimetry import tristimulus
 from symrt.device.monitors import EQUAL_ENERGY, Monitor
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ROUNDING, Slabs, check_finite
+from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 
@@ -76,7 +76,7 @@ class MonitorGamut:
 
     def driven(self, spectra: PixelBands) -> Drive:
         """Drive values a of red, green and blue."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         return spectra @ self.drive.T
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
@@ -87,7 +87,7 @@ class MonitorGamut:
         """How far the worst drive value of each spectrum is outside [0, 1]; 0 inside, and within rounding of it."""
         drive = self.driven(spectra)
         worst = np.maximum(-drive, drive - 1).max(axis=1)
-        return np.where(worst <= ROUNDING, 0.0, worst)
+        return beyond_rounding(worst, spectra, self.drive.T)
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum nearest to each, by root mean square, among those whose colour is shown."""
@@ -101,7 +101,7 @@ class MonitorGamut:
 
     def support(self, directions: PixelBands) -> PerPixel:
         """The largest inner product with a spectrum whose colour is shown; ``inf`` unless colour alone decides it."""
-        check_finite(directions, self.bands)
+        check_spectra(directions, self.bands, ANY)
         along = np.linalg.lstsq(self.drive.T, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.drive).max(axis=1)
         decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
@@ -113,7 +113,7 @@ class MonitorGamut:
         bands = np.arange(3) if self.bands.kind == "rgb" else np.full(3, -1)
         words = tuple(f"the monitor's {primary}" for primary in ("red", "green", "blue"))
         no = np.zeros(3, dtype=bool)
-        return Slabs(self.drive.T, np.full(3, -ROUNDING), np.full(3, 1 + ROUNDING), bands, words, no, no)
+        return Slabs(self.drive.T, np.full(3, -WIDER), np.full(3, 1 + WIDER), bands, words, no, no)
 
     def clip(self, origin: PixelBands, direction: PixelBands) -> Interval:
         """The t for which the colour of ``origin + t direction`` is shown."""

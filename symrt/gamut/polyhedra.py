@@ -15,10 +15,10 @@ from jaxtyping import Float
 from scipy.optimize import linprog, nnls
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
+from symrt.gamut.interface import ROUNDING, of_one_band
 
 __all__ = ["deepest", "halfspaces", "nearest_point", "supports"]
 
-ROUNDING = 1e-12
 UNBOUNDED = 3
 """What HiGHS answers, through SciPy, where an objective has no limit."""
 
@@ -73,6 +73,9 @@ def nearest_point(normals: Normals, offsets: Offsets, point: Spectrum) -> Spectr
     room = offsets - normals @ point
     if np.all(room >= 0):
         return point
+    # Far away everything is brought near by a power of two, which changes no digit.
+    scale = 2.0 ** max(0, int(np.frexp(-room.min())[1]))
+    room = room / scale
     wanted = np.append(np.zeros(len(point)), 1.0)
     rows = np.vstack([-normals.T, -room])
     multipliers = nnls(rows, wanted, maxiter=10 * len(room))[0]
@@ -83,7 +86,7 @@ def nearest_point(normals: Normals, offsets: Offsets, point: Spectrum) -> Spectr
     # Which faces it touches is what counts; where exactly, least squares on those alone tell to the last digits.
     moved = np.linalg.lstsq(normals[touching], room[touching], rcond=None)[0]
     rough = -missed[:-1] / missed[-1]
-    return np.asarray(point + (moved if np.linalg.norm(moved - rough) <= 1e-6 else rough))
+    return np.asarray(point + scale * (moved if np.linalg.norm(moved - rough) <= 1e-6 else rough))
 
 
 def supports(
@@ -105,7 +108,7 @@ def supports(
     >>> supports(matrix, np.zeros(3), np.array([1.0, 1.0, 1.5]), np.array([[2.0, 1.0]])).round(9)
     array([2.5])
     """
-    alone = (np.count_nonzero(matrix, axis=0) == 1) & (matrix.sum(axis=0) == 1)
+    alone = of_one_band(matrix)
     bands = matrix[:, alone].argmax(axis=0)
     low, high = np.full(len(matrix), -np.inf), np.full(len(matrix), np.inf)
     np.maximum.at(low, bands, lower[alone])

@@ -14,8 +14,8 @@ from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
 from symrt.device.printing import Device
-from symrt.gamut.clipping import INWARD, Interval, clip_slabs
-from symrt.gamut.interface import Slabs, check_finite
+from symrt.gamut.clipping import Interval, clip_slabs
+from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, check_spectra
 from symrt.gamut.printed import OfPrinter
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.display import luminance_weights
@@ -96,29 +96,28 @@ class Gamut(OfPrinter):
         if self.weights is None:
             return self
         weights = luminance_weights(self.bands) * white
+        if not weights.sum() > 0:
+            raise ValueError("the reference white has no luminance: choose another reference")
         return replace(self, weights=weights / weights.sum())
 
     def contains(self, spectra: Spectra) -> Bool[np.ndarray, " pixel"]:
         """Whether each spectrum is inside; the boundary is."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         inside = np.all((self.lower <= spectra) & (spectra <= self.upper), axis=1)
-        return inside if self.weights is None else inside & (spectra @ self.weights >= self.blackest)
+        return inside if self.weights is None else inside & (self._darker(spectra) == 0)
 
     def violation(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
         """How far each spectrum is outside in its worst band, or in luminance; 0 inside."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         worst = np.maximum(self.lower - spectra, spectra - self.upper).max(axis=1).clip(min=0.0)
-        return worst if self.weights is None else np.maximum(worst, self.blackest - spectra @ self.weights)
+        return worst if self.weights is None else np.maximum(worst, self._darker(spectra))
 
     def clip(self, origin: Spectra, direction: Spectra) -> Interval:
         """The t for which ``origin + t direction`` is inside, certified."""
-        lower, upper = self.lower, self.upper
         if self.weights is not None:
-            lower, upper = np.append(lower, self.blackest), np.append(upper, np.inf)
-            # The product is only as good as its rounding: the bound moves inwards by as much.
-            lower[-1] *= 1 + len(upper) * INWARD
-            origin, direction = (np.column_stack([v, v @ self.weights]) for v in (origin, direction))
-        return clip_slabs(lower, upper, origin, direction)
+            # Within what counts as on the boundary: a line through black itself is inside.
+            return replace(self.slabs, lower=np.append(self.lower, self.blackest - WIDER)).clip(origin, direction)
+        return clip_slabs(self.lower, self.upper, origin, direction)
 
     def support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
         """The largest inner product of each direction with a spectrum of the gamut.
@@ -126,7 +125,7 @@ class Gamut(OfPrinter):
         With a bound on luminance it is the least of ``h(d + μ y) − μ Y_black`` over μ >= 0, h the support of the box;
         that is convex and bends only where a component of ``d + μ y`` changes sign.
         """
-        check_finite(directions, self.bands)
+        check_spectra(directions, self.bands, ANY)
         if self.weights is None:
             return self._box_support(directions)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -139,28 +138,33 @@ class Gamut(OfPrinter):
 
     def nearest(self, spectra: Spectra) -> Spectra:
         """The spectrum of the gamut that is nearest to each, by root mean square."""
-        check_finite(spectra, self.bands)
+        check_spectra(spectra, self.bands)
         boxed = np.clip(spectra, self.lower, self.upper)
         if self.weights is None:
             return boxed
-        dark = boxed @ self.weights < self.blackest
+        dark = self._darker(boxed) > 0
         boxed[dark] = self._lifted(spectra[dark], self.weights)
         return boxed
 
-    def slice(self, k: int | Sequence[int]) -> Slice:
+    def slice(self, k: int | np.integer | Sequence[int]) -> Slice:
         """The cut through the gamut: the first k coordinates, or those named, of spectra inside whose others are 0."""
         return Slice(self._components(k), self.lower, self.upper)
 
-    def shadow(self, k: int | Sequence[int]) -> Shadow:
+    def shadow(self, k: int | np.integer | Sequence[int]) -> Shadow:
         """The projection of the gamut: these coordinates of all its spectra, luminance's bound left out."""
         return Shadow(self._components(k), self.lower, self.upper)
 
-    def _components(self, k: int | Sequence[int]) -> Float[np.ndarray, "component band"]:
-        chosen = list(range(k)) if isinstance(k, int) else list(k)
+    def _components(self, k: int | np.integer | Sequence[int]) -> Float[np.ndarray, "component band"]:
+        chosen = list(k) if isinstance(k, Sequence) else list(range(k))
         last = len(self.bands) - 1
         if not chosen or len(set(chosen)) < len(chosen) or not all(0 <= i <= last for i in chosen):
             raise ValueError(f"components {k}: name different ones, from 0 to {last}")
         return self.basis.vectors[chosen]
+
+    def _darker(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
+        """How much darker each spectrum is than black; 0 if it is not, and within rounding of it."""
+        darker = self.blackest - spectra @ self.weights
+        return np.where(darker <= ROUNDING, 0.0, darker)
 
     def _box_support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
         return np.where(directions > 0, directions * self.upper, directions * self.lower).sum(axis=1)

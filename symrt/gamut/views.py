@@ -117,6 +117,10 @@ class Shadow:
         _check_three(self.vectors)
         edges = ((self.upper - self.lower) * self.vectors).T
         edges = edges[np.linalg.norm(edges, axis=1) > 0]
+        if np.linalg.matrix_rank(edges, rtol=FLAT) < 3:
+            raise ValueError(
+                "the shadow is flat: the gamut differs in too few bands; draw that of another device or model"
+            )
         first, second = (index.ravel() for index in np.indices((len(edges), len(edges))))
         normals = np.cross(edges[first], edges[second])
         spanned = np.linalg.norm(normals, axis=1) > FLAT * np.linalg.norm(edges[first], axis=1) * np.linalg.norm(

@@ -103,6 +103,14 @@ def test_the_number_that_is_enough_is_the_least_from_which_on_all_are():
             assert number == 1 or errors[number - 2] > allowed
 
 
+def test_what_is_enough_for_any_difference_is_one_component_and_for_none_it_is_no_question():
+    report = basis_report(load_device("dye3-endura-premier"))
+    assert report.enough(np.inf) == (1, 1)
+    for wrong in (np.nan, -1.0):
+        with pytest.raises(ValueError, match=rf"delta_e = {wrong}: a colour difference is 0 or more"):
+            report.enough(wrong)
+
+
 def test_a_chart_of_fewer_prints_than_bands_is_told_by_as_many_components():
     prints = np.random.default_rng(0).uniform(0.1, 0.9, (3, 36))
     none = np.zeros(36, dtype=bool)

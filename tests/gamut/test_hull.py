@@ -168,8 +168,9 @@ def test_the_tolerance_is_never_less_than_the_gap_and_is_told(device):
     assert not bare.contains(device.printer.printed(amounts)).any()
     measured = hull_gamut(replace(device, printer=None, modelled=False), tolerance=0.0)
     assert 0 <= measured.gap < 0.05
-    with pytest.raises(ValueError, match="tolerance = -1"):
-        hull_gamut(device, -1)
+    for tolerance in (-1, 2, np.inf, np.nan):
+        with pytest.raises(ValueError, match=f"tolerance = {tolerance}"):
+            hull_gamut(device, tolerance)
 
 
 def test_hull_is_within_the_envelope_and_within_the_colours(device):

@@ -158,10 +158,49 @@ def test_the_support_is_beyond_everything_inside_and_reached(gamut, spectra, nam
     np.testing.assert_allclose(np.sum(reached * directions, axis=1), support, rtol=5e-3, atol=5e-3)
 
 
+@pytest.mark.parametrize("size", [1e-10, 1.0, 1e4, 1e8])
+def test_the_nearest_of_what_is_near_and_far_is_inside_asked_together_or_alone(gamut, size):
+    far = np.random.default_rng(7).uniform(-1, 1, (6, len(gamut.bands))) * size
+    nearest = gamut.nearest(far)
+    assert gamut.contains(nearest).all()
+    alone = np.concatenate([gamut.contains(spectrum[None]) for spectrum in nearest])
+    assert alone.all()
+    assert gamut.violation(nearest).max() == 0
+
+
+def test_a_line_from_the_boundary_begins_there(gamut, spectra):
+    if not convex(gamut) or isinstance(gamut, Intersection):
+        return  # where two hulls meet, each ends within 1e-7 of where it does, and nothing may be left between
+    nearest = gamut.nearest(spectra)
+    found = gamut.clip(nearest, np.random.default_rng(8).normal(size=nearest.shape))
+    near = 1e-7 if gamut.model == "hull" else 0.0
+    assert found.low.max() <= near
+    assert found.high.min() >= -near
+
+
+def test_spectra_in_other_bands_and_what_no_reflectance_is_are_refused(gamut):
+    asked = [gamut.contains, gamut.violation, gamut.nearest] + ([gamut.support] if hasattr(gamut, "support") else [])
+    for ask in asked:
+        for shape in ((2, 1), (2, len(gamut.bands) + 1)):
+            if isinstance(gamut, Intersection) and ask == gamut.support:
+                continue
+            with pytest.raises(ValueError, match=rf"spectra are \(2, {shape[1]}\), and the gamut is in .*: give a row"):
+                ask(np.full(shape, 0.5))
+    for ask in asked[:3]:
+        with pytest.raises(ValueError, match=rf"spectrum 1 is 1e\+200 at {gamut.bands.labels[0]}: no reflectance is"):
+            ask(np.array([[0.5], [1e200]]) * np.ones(len(gamut.bands)))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_what_is_no_number_is_neither_inside_nor_outside(gamut, value):
     spectra = np.full((2, len(gamut.bands)), 0.4)
     spectra[1, -1] = value
-    for ask in (gamut.contains, gamut.violation, gamut.nearest):
+    asked = [gamut.contains, gamut.violation, gamut.nearest]
+    asked += [gamut.support] if convex(gamut) and not isinstance(gamut, Intersection) else []
+    for ask in asked:
         with pytest.raises(ValueError, match=rf"spectrum \d is {value} at {gamut.bands.labels[-1]}"):
             ask(spectra)
+    if convex(gamut):
+        for line in ((spectra, spectra[::-1]), (np.zeros_like(spectra), spectra)):
+            with pytest.raises(ValueError, match=rf"pixel \d, slab \d+: the (origin|direction) is {value}"):
+                gamut.clip(*line)

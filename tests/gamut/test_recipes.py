@@ -95,8 +95,12 @@ def test_the_verdict_says_what_it_proves(device):
     gamut = device_gamut(device, "inks", tolerance=0.02)
     assert gamut.tolerance == 0.02
     assert "sufficient, within the fit of the printer's model, not necessary" in repr(gamut)
-    with pytest.raises(ValueError, match="tolerance = 0"):
-        ink_gamut(device, 0)
+    for tolerance in (0, np.inf, np.nan):
+        with pytest.raises(ValueError, match=f"tolerance = {tolerance}"):
+            ink_gamut(device, tolerance)
+    for within in ((1.0, 0.0), (0.0, np.inf), (np.nan, 1.0)):
+        with pytest.raises(ValueError, match=r"within = \(.*\): give a finite range, the lower end first"):
+            gamut.clip(device.samples[:1], device.samples[1:2], within)
     with pytest.raises(ValueError, match="fit a model to them with fit_halftone"):
         ink_gamut(replace(device, printer=None))
 

@@ -1,5 +1,7 @@
 """Gamuts of slabs: membership, support, nearest, against definitions and linear programmes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
@@ -93,3 +95,26 @@ def test_unknown_models_are_named(device):
         device_gamut(device, "hull")
     with pytest.raises(ValueError, match="black = 'lift'"):
         device_gamut(device, "unit", "lift")
+
+
+def test_prints_of_the_blackest_luminance_are_inside_together_and_alone(device):
+    for count in (1, 2, 3, 9):
+        few = np.random.default_rng(count).uniform(0.1, 0.9, (count, 36))
+        chart = replace(device, samples=few, amounts=np.empty((count, 0)), inks=(), printer=None)
+        for model in ("unit", "envelope"):
+            gamut = device_gamut(chart, model, "luminance")
+            assert gamut.contains(few).all()
+            assert all(gamut.contains(one[None])[0] for one in few)
+            found = gamut.clip(few, np.random.default_rng(1).normal(size=few.shape))
+            assert np.all((found.low <= 0) & (found.high >= 0))
+
+
+def test_a_white_without_luminance_is_named(device):
+    with pytest.raises(ValueError, match="reference white has no luminance: choose another"):
+        device_gamut(device, "unit", "luminance").under(np.zeros(36))
+
+
+def test_the_number_of_components_may_be_numpys(device):
+    gamut = device_gamut(device)
+    np.testing.assert_array_equal(gamut.slice(np.int64(3)).vectors, gamut.basis.vectors[:3])
+    np.testing.assert_array_equal(gamut.shadow(np.int64(2)).vectors, gamut.basis.vectors[:2])

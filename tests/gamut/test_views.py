@@ -103,3 +103,12 @@ def test_any_components_can_be_chosen_and_impossible_ones_are_refused():
     for wrong in ((0, 0, 1), (0, 1, 36), (-1, 0, 1), ()):
         with pytest.raises(ValueError, match="from 0 to 35"):
             gamut.shadow(wrong)
+
+
+def test_a_shadow_without_volume_is_said_to_be_flat():
+    vectors = np.linalg.qr(np.random.default_rng(0).normal(size=(5, 5)))[0][:3]
+    for free in (0, 1, 2):
+        upper = np.where(np.arange(5) < free, 1.0, 0.3)
+        with pytest.raises(ValueError, match="the shadow is flat"):
+            Shadow(vectors, np.full(5, 0.3), upper).polyhedron()
+    assert Shadow(vectors, np.full(5, 0.3), np.where(np.arange(5) < 3, 1.0, 0.3)).polyhedron().volume > 0
