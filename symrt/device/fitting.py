@@ -27,6 +27,7 @@ LARGEST_EXPONENT = 100.0
 UNDETERMINED = 1e-4
 """Combinations of primaries that show less than this in the prints, of the clearest one's 1, are not fitted."""
 FEW = 12
+"""Exponents that are tried first."""
 EDGE = 1e-9
 """How far from the bounds of the search it begins."""
 DARKEST = 1e-4
@@ -92,7 +93,7 @@ def fit_halftone(device: Device, *, dot_gain: bool = True, light: str = "illumin
     Raises
     ------
     ValueError
-        If amounts are not known or not in [0, 1], or the chart is too small to fit a model to.
+        If amounts are not known or not in [0, 1], or any model fits because the prints are no more than its primaries.
 
     Examples
     --------
@@ -127,6 +128,17 @@ def _check(device: Device) -> None:
             f"{device.name}: {len(device.samples)} prints for {inks} inks: give {2 * inks + 2} or more, else any "
             "model fits"
         )
+    told = _determined(demichel(device.amounts))
+    if len(device.samples) <= told:
+        raise ValueError(
+            f"{device.name}: {len(device.samples)} prints, which tell {told} primaries and nothing else, so that any "
+            "exponent fits: give more prints, such as ramps of single inks"
+        )
+
+
+def _determined(shares: Float[np.ndarray, "print primary"]) -> int:
+    """How many combinations of primaries the prints tell apart."""
+    return int(np.linalg.matrix_rank(shares, rtol=UNDETERMINED))
 
 
 def _multiplied(device: Device) -> Float[np.ndarray, "primary band"]:
@@ -195,6 +207,6 @@ def _judged(device: Device, printer: Halftone, light: str) -> HalftoneFit:
         delta_e_95=float(np.percentile(differences, 95)),
         worst_delta_e=float(differences.max()),
         worst_print=int(differences.argmax()),
-        undetermined=shares.shape[1] - int(np.linalg.matrix_rank(shares, rtol=UNDETERMINED)),
+        undetermined=shares.shape[1] - _determined(shares),
         light=light,
     )

@@ -88,6 +88,15 @@ class Device:
                 f"{self.name}: amounts are {self.amounts.shape}, not ({prints}, {len(self.inks)}): one row a print, "
                 "one column an ink"
             )
+        for what, values, of in (
+            ("sample", self.samples, self.bands.labels),
+            ("amounts of print", self.amounts, self.inks),
+        ):
+            if not np.isfinite(values).all():
+                row, column = (int(k) for k in np.argwhere(~np.isfinite(values))[0])
+                raise ValueError(
+                    f"{self.name}: {what} {row}, {of[column]}, is {values[row, column]}: give finite numbers"
+                )
 
     @property
     def black(self) -> Spectrum:
@@ -118,6 +127,8 @@ class Device:
         """
         if bands == self.bands:
             return self
+        if self.bands.kind != "wavelength":
+            raise ValueError(f"{self.name} is in {self.bands!r}, which have no wavelengths: give spectra of its prints")
         nm = np.array(self.bands.centres)
         printer = self.printer.on(bands) if self.printer else None
         if self.modelled and printer:

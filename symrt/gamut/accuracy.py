@@ -72,8 +72,10 @@ class BasisReport:
 
     def enough(self, delta_e: Number = 1.0) -> tuple[int, int]:
         """The number of components from which on no print is off by more: constant first, and plain."""
+        if not delta_e >= 0:
+            raise ValueError(f"delta_e = {delta_e}: a colour difference is 0 or more")
         # None is too few, and all of them miss nothing but rounding.
-        first, plain = (np.append(np.inf, errors[:-1]) > delta_e for errors in (self.largest, self.largest_plain))
+        first, plain = (np.append(True, errors[:-1] > delta_e) for errors in (self.largest, self.largest_plain))
         return int(np.flatnonzero(first)[-1]) + 1, int(np.flatnonzero(plain)[-1]) + 1
 
     def rows(self) -> list[tuple[str, ...]]:

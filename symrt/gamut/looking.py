@@ -47,6 +47,8 @@ def looked_for(inside: Inside, count: int, within: tuple[Number, Number], looks:
     >>> found.pixel.tolist(), found.low.round(6).tolist(), found.high.round(6).tolist()
     ([0, 0], [0.0, 0.75], [0.25, 1.0])
     """
+    if not -np.inf < within[0] <= within[1] < np.inf:
+        raise ValueError(f"within = ({within[0]}, {within[1]}): give a finite range, the lower end first")
     t = np.linspace(within[0], within[1], looks + 1)
     pixel = np.repeat(np.arange(count), len(t))
     seen = inside(pixel, np.tile(t, count)).reshape(count, len(t))

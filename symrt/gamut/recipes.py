@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerPixel, PixelBands
 from symrt.device.printing import Device, Printer
 from symrt.gamut.hull import TOLERANCE
-from symrt.gamut.interface import check_finite
+from symrt.gamut.interface import check_spectra
 from symrt.gamut.looking import looked_for
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
@@ -123,10 +123,9 @@ def ink_gamut(device: Device, tolerance: Number = TOLERANCE) -> InkGamut:
     >>> ink_gamut(load_device("synthetic-cmyk")).label
     "sufficient, within the fit of the printer's model"
     """
-    if device.printer is None:
-        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
-    if not tolerance > 0:
-        raise ValueError(f"tolerance = {tolerance}: recipes are sought to a root mean square difference above 0")
+    _printer_of(device)
+    if not 0 < tolerance <= 1:
+        raise ValueError(f"tolerance = {tolerance}: recipes are sought to a root mean square difference above 0, to 1")
     return InkGamut(device, float(tolerance))
 
 
@@ -139,13 +138,18 @@ def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
     >>> recipes(load_device("dye3-endura-premier"), np.full((1, 36), 0.9))[0].round(6)
     array([[0., 0., 0.]])
     """
-    if device.printer is None:
-        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
-    check_finite(spectra, device.bands)
+    printer = _printer_of(device)
+    check_spectra(spectra, device.bands)
     amounts = np.zeros((len(spectra), len(device.inks)))
     for first in range(0, len(spectra), CHUNK):
-        amounts[first : first + CHUNK] = _sought(device, device.printer, spectra[first : first + CHUNK])
-    return amounts, device.printer.printed(amounts)
+        amounts[first : first + CHUNK] = _sought(device, printer, spectra[first : first + CHUNK])
+    return amounts, printer.printed(amounts)
+
+
+def _printer_of(device: Device) -> Printer:
+    if device.printer is None:
+        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
+    return device.printer
 
 
 def _sought(device: Device, printer: Printer, spectra: PixelBands) -> Recipes:

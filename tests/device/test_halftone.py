@@ -237,6 +237,23 @@ def test_charts_that_no_halftone_can_be_fitted_to_are_named():
         fit_halftone(replace(given, amounts=given.amounts[:5], samples=given.samples[:5]))
 
 
+def test_a_chart_of_no_more_prints_than_primaries_fits_any_model_and_is_refused():
+    solids = chart(printer(4), prints=0)
+    assert len(solids.samples) == 16
+    with pytest.raises(ValueError, match="chart: 16 prints, which tell 16 primaries and nothing else"):
+        fit_halftone(solids)
+    # With eight inks and few prints at random every print is a primary's.
+    few = chart(printer(8), prints=40)
+    few = replace(few, samples=few.samples[256:], amounts=few.amounts[256:])
+    with pytest.raises(ValueError, match="40 prints, which tell 40 primaries"):
+        fit_halftone(few)
+    ramps = np.vstack([np.eye(4)[i] * a for i in range(4) for a in (0.25, 0.5, 1)])
+    made_by = printer(4, 1.7)
+    amounts = np.vstack([solids.amounts, ramps])
+    given = replace(solids, amounts=amounts, samples=made_by.printed(amounts))
+    assert fit_halftone(given).printer.exponent == pytest.approx(1.7, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -1,6 +1,7 @@
 """The law of Beer and Lambert against 50-digit arithmetic, and its data against their own statement."""
 
 import json
+from dataclasses import replace
 from importlib import resources
 
 import mpmath
@@ -9,6 +10,7 @@ import pytest
 
 from symrt.device.dyes import dye_devices
 from symrt.device.inks import load_device, reflectance
+from symrt.device.printing import Device
 from symrt.gamut.basis import uniform_first
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.library import spectrum
@@ -119,3 +121,17 @@ def test_the_table_names_its_source_and_licence():
     for paper in table["papers"].values():
         assert set(paper["density"]) == set(paper["native"]) == {"cyan", "magenta", "yellow"}
         assert all(len(curve) == len(table["wavelengths"]) == 36 for curve in paper["density"].values())
+
+
+def test_prints_that_are_no_numbers_are_named():
+    device = load_device("dye3-endura-premier", wavelengths(400, 700, 100))
+    for field, of in (("samples", "500 nm"), ("amounts", "magenta")):
+        wrong = getattr(device, field).copy()
+        wrong[5, 1] = np.nan
+        with pytest.raises(ValueError, match=rf"dye3-endura-premier: (sample|amounts of print) 5, {of}, is nan"):
+            replace(device, **{field: wrong})
+    rgb = Device(
+        "rgb", RGB, np.full((1, 3), 0.5), np.empty((1, 0)), (), np.zeros(3, dtype=bool), "", "", modelled=False
+    )
+    with pytest.raises(ValueError, match="rgb is in RGB, which have no wavelengths"):
+        rgb.on(wavelengths(400, 700, 100))
