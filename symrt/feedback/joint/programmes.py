@@ -29,6 +29,8 @@ PROGRESS = 1e-7
 """Of the objective, below which a point counts as the best nearby."""
 PROXIMITY = 1e-3
 """What a squared change of the other variables counts against the ratio: a step along a tangent goes not too far."""
+PATIENCE = 3
+"""Steps that pay before tangents touch ahead of them."""
 ADDED = 64
 """Rows added at a time."""
 MOST_ROUNDS = 100
@@ -125,30 +127,39 @@ def _convex(
 
 
 def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callable[[], object]) -> Solved | None:
-    """Replace lower bounds by their tangents at the best point so far."""
+    """Replace what must be large by its tangent at the best point so far.
+
+    Steps may be short for long: once several have paid, tangents touch ahead, ever farther; they are valid anywhere.
+    """
     best, value, rounds, rows = start, np.inf, 0, 0
+    touching, paid = start, 0
     dark: Chosen = (np.zeros(0, dtype=int), np.zeros(0, dtype=int))
     if programme.dark is not None:
         share, slab = programme.dark.darkest(_seen(programme, start))
         near = np.argsort(share, kind="stable")[:ADDED]
         dark = near, slab[near]
     for _ in range(MOST_ROUNDS):
-        nearby = _linearised(programme, dark, best)
+        nearby = _linearised(programme, dark, touching)
         found, chosen = _convex(nearby, chosen, best, tick)
-        if found is None:
-            break
-        rounds, rows = rounds + found.rounds, found.rows + len(nearby.planes.offsets)
-        if programme.dark is not None:
-            share, slab = programme.dark.darkest(_seen(programme, found.y))
-            under = most(1 - share, -MARGIN / 2)
-            if len(under):
-                dark = np.append(dark[0], under), np.append(dark[1], slab[under])
+        if found is not None:
+            rounds, rows = rounds + found.rounds, found.rows + len(nearby.planes.offsets)
+            if programme.dark is not None:
+                share, slab = programme.dark.darkest(_seen(programme, found.y))
+                under = most(1 - share, -MARGIN / 2)
+                if len(under):
+                    dark = np.append(dark[0], under), np.append(dark[1], slab[under])
+                    continue
+            reached = programme.objective(found.y)[0]
+            progress, step = value - reached, found.y - best
+            if progress > 0:
+                best, value = found.y, reached
+            if progress > PROGRESS * max(1.0, abs(value)):
+                paid = 0 if programme.ratios is None else paid + 1
+                touching = best + (2.0 ** (paid - PATIENCE) if paid > PATIENCE else 0.0) * step
                 continue
-        reached = programme.objective(found.y)[0]
-        progress = value - reached
-        best, value = found.y, reached
-        if progress <= PROGRESS * max(1.0, abs(value)):
+        if paid <= PATIENCE:
             break
+        touching, paid = best, 0
     return Solved(best, "local", rounds, rows) if np.isfinite(value) else None
 
 
