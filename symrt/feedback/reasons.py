@@ -200,7 +200,8 @@ class Fit:
     above_one
         Materials that reflect more than they receive.
     optimum
-        ``"global"``: no palette in the range is better; ``"local"``: none nearby is.
+        ``"global"``: no palette in the range is better, or, of the darkest, none that is nowhere above the lightest;
+        ``"local"``: none nearby is.
     luminance
         Mean luminance, as a share of the mean of min(Y, 1) of the image given.
     rounds, rows

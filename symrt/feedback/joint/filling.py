@@ -4,7 +4,8 @@ All scales start at the low end of the range and rise together.  Where a pixel b
 binding band stop there, and the rest rises on.  This is valid because every coefficient of G is ≥ 0, so that no scale
 darkens anything; and the result does not depend on the order of the scales, because none has an order.  The *darkest*
 image is found the same way downwards: the level sinks from the high end, each scale follows it from its lightest value,
-and stops where a pixel would fall below the device's black.
+and stops where a pixel would fall below the device's black.  No scale rises on the way, although that might let others
+sink further.
 """
 
 from collections.abc import Callable, Mapping
@@ -179,7 +180,7 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
             reasons=dict.fromkeys(task.symbols, Reason("range")),
         )
     rows, budget = lit(task, task.asked.dark, first.values, allowed_dark)
-    values, reasons = dict(first.values), dict[str, Reason]()
+    values, reasons, optimum = dict(first.values), dict[str, Reason](), first.optimum
     level = max(values.values())
     while free := frozenset(task.symbols).difference(reasons):
         task.tick()
@@ -200,9 +201,11 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
         if falling > budget and (limit == level).any() and level > below:
             pixel = int(touched[limit == level][0])
             reasons |= _stopped(task, others, sinking, line, End("dark", pixel), level)
+            # As above: of pixels that bind together some might fall.
+            optimum = "local" if budget else optimum
         elif level <= low:
             reasons |= dict.fromkeys(sorted(free), Reason("range"))
-    return replace(first, values=values, reasons=reasons, lit=rows)
+    return replace(first, values=values, reasons=reasons, lit=rows, optimum=optimum)
 
 
 def lit(task: Task, bound: Bound, start: Mapping[str, float], allowed: Number) -> tuple[Pixels, int]:

@@ -62,7 +62,8 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     objective
         ``"lexicographic"``, the default: first inside, then exposed as well as may be, then changed least: no scale
         falls below the largest factor that all could share.  ``"closest"``: the least change, in logarithms.
-        ``"lightest"`` raises all scales together and each as far as it goes; ``"darkest"`` does the same downwards.
+        ``"lightest"`` raises all scales together and each as far as it goes; ``"darkest"`` lowers them in the same way
+        from there, and none rises above its lightest value.
         ``"brightest"``: the largest mean luminance.  ``"contrast"``: the largest ratio of luminances of regions.
     within
         The least and the largest scale.

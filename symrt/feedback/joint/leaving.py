@@ -4,14 +4,15 @@ Which pixels to leave out is a combinatorial question as soon as there are sever
 descent: from an answer the scales go straight towards what the objective would ask for if there were no pixels, as far
 as the pixels that come out on the way are few enough; those are left out, the best scales for the rest are found, and
 so on until nothing improves.  Pixels come out one by one on a straight line, because in logarithms of the scales each
-allows a convex set.  It starts from the answer with no pixel left out, so that it is never worse than that; from the
-pixels that all scales would leave out together; and from those that are farthest outside where the objective pulls.
-Where the best scales are quickly found it also goes in several steps, and exchanges pixels that bind for others as long
-as it pays.  With a single scale all pixels come out in the order of their limits, and the answer is exact.
+allows a convex set.  It starts from the best few of these, so that it is never worse than with no pixel left out: none;
+those that all scales would leave out together; those that are farthest outside where the objective pulls; and for each
+scale those that come out if it goes alone, the others least.  Where the best scales are quickly found it also goes in
+several steps, and exchanges pixels that bind for others as long as it pays.  With a single scale all pixels come out in
+the order of their limits, and the answer is exact.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -23,6 +24,8 @@ from symrt.feedback.joint.posynomials import Sliders, sliders
 __all__ = ["leave_out"]
 
 MOST_ROUNDS = 10
+DESCENTS = 4
+"""Of the starts, from the best of which there is a descent."""
 EXCHANGES = 12
 """Tries, each of two questions."""
 HALVINGS = 52
@@ -41,16 +44,20 @@ Point = Float[np.ndarray, " scale"]
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """A question, the pixels that it may leave out, and how many."""
+    """A question, the pixels that it may leave out, how many, and the answers so far: many ways lead to one choice."""
 
     task: Task
     ask: Ask
     image: Sliders
     budget: int
+    answers: dict[bytes, Filled | None] = field(default_factory=dict)
 
     def asked(self, out: Pixels) -> Filled | None:
         """The answer without some of the pixels."""
-        return self.ask(replace(self.task, left_out=np.union1d(self.task.left_out, out)))
+        left_out = np.union1d(self.task.left_out, out)
+        if (choice := left_out.tobytes()) not in self.answers:
+            self.answers[choice] = self.ask(replace(self.task, left_out=left_out))
+        return self.answers[choice]
 
     def outside(self, y: Point, of: Sliders | None = None) -> Pixels:
         """The pixels that are outside at a point."""
@@ -92,13 +99,20 @@ def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
     aim = search.point(free)
     if len(task.symbols) == 1:
         return _descended(search, first, aim)
-    starts = [first, search.asked(lightest(task, budget).left_out), search.asked(farthest)]
+    ways = [_on_the_way(search, *line) for line in _alone(search, aim)]
+    chosen = [lightest(task, budget).left_out, farthest, *ways]
+    starts = [first, *(search.asked(out) for out in chosen)]
     if first.optimum == "global":
         starts.append(_stepped(search, first, aim))
-    best = min(
-        (_descended(search, start, aim) for start in starts if start is not None), key=lambda answer: answer.cost
-    )
+    likely = sorted((start for start in starts if start is not None), key=lambda answer: answer.cost)[:DESCENTS]
+    best = min((_descended(search, start, aim) for start in likely), key=lambda answer: answer.cost)
     return replace(_exchanged(search, best) if best.optimum == "global" else best, optimum="local")
+
+
+def _alone(search: _Search, aim: Point) -> list[tuple[Point, Point]]:
+    """For each scale the line to its aim from where all are least, the others staying there."""
+    least = np.full(len(aim), np.log(max(search.task.within[0], LEAST * search.task.within[1])))
+    return [(least, np.where(np.arange(len(aim)) == k, aim, least)) for k in range(len(aim))]
 
 
 def _descended(search: _Search, found: Filled, aim: Point) -> Filled:
