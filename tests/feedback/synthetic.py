@@ -76,3 +76,11 @@ def awkward(seed):
     spectra["fill"] = random.uniform(0, 1, 36)
     image = LinearSystem(sparse.csr_array(coefficients), tuple(sorted(columns)), 1, pixels, {"key": 0.5, "fill": 0.5})
     return image, Palette(BANDS, spectra), materials
+
+
+def few_pixels(seed, pixels=10, scales=4):
+    """Random textures of some materials, one light, degree 1: small enough to try all choices."""
+    random = np.random.default_rng(seed)
+    columns = tuple(Interaction("key", (f"{m}.diffuse",)) for m in sorted(MATTE)[:scales])
+    weights = random.uniform(0, 1, (pixels, scales)) * (random.uniform(size=(pixels, scales)) < 0.6) + 1e-3
+    return LinearSystem(sparse.csr_array(weights), columns, 1, pixels, {"key": 1.0})

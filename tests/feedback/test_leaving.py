@@ -1,14 +1,11 @@
 """A share of the pixels left outside: within the budget, never worse than none, exact where that can be known."""
 
-from dataclasses import replace
 from functools import partial
-from itertools import combinations
 
 import numpy as np
 import pytest
 from feedback.synthetic import BANDS, MATTE, awkward, palette, system
 from scipy import sparse
-from scipy.optimize import linprog
 
 from symrt.device.inks import load_device
 from symrt.feedback import Scale, feasible
@@ -74,7 +71,7 @@ def test_exactly_the_pixels_named_are_outside_and_it_is_never_worse_than_with_no
     assert found.share_out == len(found.left_out) / len(OBJECTS) <= share
     none = fit(MIRRORED, COLOURS, ENVELOPE, FEW, **options)
     assert merit(goal, found) > merit(goal, none)
-    if share == 0.03 and goal != "brightest":
+    if share == 0.03 and goal in GOALS[:3]:
         other = fit(MIRRORED, COLOURS, ENVELOPE, FEW[::-1], allowed_out=share, **options)
         assert (other.values, other.reasons) == (found.values, found.reasons)
     assert f"{len(found.left_out)} of {len(OBJECTS)} object pixels are left outside, as allowed." in repr(found)
@@ -100,102 +97,6 @@ def test_a_single_scale_ends_where_its_range_does(name, share):
         assert found.verdict == alone.verdict
         # Brass sees itself, and its mean luminance is no linear one.
         assert found.optimum == ("local" if (goal, name) == ("brightest", "brass") else "global")
-
-
-def test_no_random_scales_with_as_few_pixels_outside_have_a_larger_least():
-    share, random = 0.05, np.random.default_rng(0)
-    found = fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, allowed_out=share, cap=False)
-    least, few, larger = min(found.values.values()), 0, 0
-    for _ in range(1000):
-        values = {name: value * np.exp(random.normal(0, 0.02)) for name, value in found.values.items()}
-        fewer, above = len(outside(values)) <= share * len(OBJECTS), min(values.values()) > least
-        assert not (fewer and above)
-        few, larger = few + fewer, larger + above
-    assert few > 50
-    assert larger > 5
-
-
-def few_pixels(seed, pixels=10, scales=4):
-    """Random textures of some materials, one light, degree 1: small enough to try all choices."""
-    random = np.random.default_rng(seed)
-    columns = tuple(Interaction("key", (f"{m}.diffuse",)) for m in sorted(MATTE)[:scales])
-    weights = random.uniform(0, 1, (pixels, scales)) * (random.uniform(size=(pixels, scales)) < 0.6) + 1e-3
-    return LinearSystem(sparse.csr_array(weights), columns, 1, pixels, {"key": 1.0})
-
-
-def without(image, out):
-    kept = np.setdiff1d(np.arange(image.width), out)
-    return replace(image, G=image.G[kept], width=len(kept))
-
-
-def test_the_closest_is_as_a_rule_the_best_of_all_choices():
-    """Every pair of six pixels left out in turn: nothing better than the best of them, and seldom anything worse."""
-    options = {"objective": "closest", "cap": False, "least_luminance": 0, "within": (0.01, 5.0)}
-    options |= {"reference": Reference("key", exposure=2.5)}
-    equal = []
-    for seed in range(3):
-        image = few_pixels(seed, pixels=6, scales=3)
-        scales = [Scale(i.met[0]) for i in image.interactions]
-
-        def change(found):
-            return np.sum(np.log(list(found.values.values())) ** 2)
-
-        found = change(fit(image, COLOURS, ENVELOPE, scales, allowed_out=0.34, **options))
-        best = min(
-            change(fit(without(image, out), COLOURS, ENVELOPE, scales, **options)) for out in combinations(range(6), 2)
-        )
-        none = change(fit(image, COLOURS, ENVELOPE, scales, **options))
-        assert best * (1 - 1e-7) <= found <= none
-        assert found - best <= 0.3 * (none - best)
-        equal.append(found <= best * (1 + 1e-7))
-    assert sum(equal) >= 2
-
-
-def test_the_brightest_is_as_a_rule_the_best_of_all_choices():
-    """The same with the whole linear programme of every choice; the pixels left out count in the mean."""
-    equal = []
-    for seed in range(6):
-        image = few_pixels(seed, pixels=8)
-        scales = [Scale(i.met[0]) for i in image.interactions]
-        found = fit(
-            image, COLOURS, ENVELOPE, scales, objective="brightest", allowed_out=0.25, within=(0.01, 5.0), cap=False
-        )
-        white = Reference().white(image, COLOURS)
-        products, weights = gamma(image.interactions, COLOURS) / white, image.G.toarray()
-        rows = weights[:, :, None] * products
-        light = luminance_weights(BANDS) * white
-        gain = weights.sum(axis=0) * (products @ (light / light.sum()))
-
-        def brightest(out, rows=rows, gain=gain):
-            kept = np.delete(rows, out, axis=0).transpose(0, 2, 1).reshape(-1, rows.shape[1])
-            upper = np.tile(ENVELOPE.upper, len(rows) - len(out))
-            return -linprog(-gain, kept, upper, bounds=[(0.01, 5.0)] * len(gain)).fun
-
-        best, none = max(brightest(out) for out in combinations(range(8), 2)), brightest(())
-        reached = gain @ list(found.values.values())
-        # HiGHS may pass its bounds by 1e-7.
-        assert none * (1 - 1e-6) <= reached <= best * (1 + 1e-6)
-        equal.append(reached >= best * (1 - 1e-6))
-    assert sum(equal) >= 3
-
-
-def test_the_lexicographic_answer_is_exact_where_the_budget_is_spent_on_the_shared_factor():
-    options = {"objective": "lexicographic", "cap": False, "least_luminance": 0, "within": (0.01, 5.0)}
-    options |= {"reference": Reference("key", exposure=2.5)}
-    for seed in range(2):
-        image = few_pixels(seed, pixels=6, scales=3)
-        scales = [Scale(i.met[0]) for i in image.interactions]
-        found = fit(image, COLOURS, ENVELOPE, scales, allowed_out=0.34, **options)
-        assert found.optimum == "global"
-
-        def rank(answer):
-            values = np.array(list(answer.values.values()))
-            return -min(1.0, values.min().round(9)), np.sum(np.log(values) ** 2)
-
-        best = min(
-            rank(fit(without(image, out), COLOURS, ENVELOPE, scales, **options)) for out in combinations(range(6), 2)
-        )
-        assert rank(found) == pytest.approx(best, rel=1e-7)
 
 
 def test_an_image_outside_by_no_more_than_is_allowed_stays_as_it_is():
