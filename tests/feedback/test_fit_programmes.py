@@ -33,11 +33,11 @@ def asked(goal, image, scales, **options):
     return fit(image, COLOURS, ENVELOPE, scales, objective=goal, **(usual | options))
 
 
-def affine(seed, pixels=30, scales=5):
+def affine(seed, pixels=30, scales=5, exposure=EXPOSURE):
     """Random textures of some materials under one light."""
     image = few_pixels(seed, pixels, scales)
     names = [Scale(i.met[0]) for i in image.interactions]
-    return image, names, judge(image, COLOURS, ENVELOPE.upper, names, EXPOSURE)
+    return image, names, judge(image, COLOURS, ENVELOPE.upper, names, exposure)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1])
@@ -80,14 +80,14 @@ def test_the_darkest_of_pixels_that_bind_together_is_called_the_best_nearby():
     assert none.values == pytest.approx(dict.fromkeys(none.values, first), rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, 4])
 def test_the_contrast_of_two_regions_is_that_of_a_linear_programme(seed):
-    """A quotient of sums is quasiconcave, so that what is best nearby is best."""
-    image, scales, judged = affine(seed, pixels=12)
+    """A quotient of sums is quasiconcave, so that what is best nearby is best; the last of them is a long way off."""
+    image, scales, judged = affine(seed, pixels=12, exposure=2.5)
     order = np.random.default_rng(seed + 100).permutation(12)
     light, dark = order[:4], order[4:8]
     regions = [tuple(np.isin(np.arange(12), region)[None] for region in (light, dark))]
-    found = asked("contrast", image, scales, regions=regions)
+    found = asked("contrast", image, scales, regions=regions, reference=Reference("key", exposure=2.5))
     rows = undominated(rows_of(judged))
     best = largest_ratio(gains_of(judged, light), gains_of(judged, dark), rows, WITHIN)
     values = [merit("contrast", p, judged, [(light, dark)])[0, 0] for p in (judged.point(found.values), best[None])]
