@@ -23,6 +23,8 @@ __all__ = ["VISIBLE", "colour_difference", "lab", "tristimulus"]
 
 VISIBLE = Bands(tuple(float(nm) for nm in range(380, 781)))
 """Every nanometre that all illuminants are known at; what the observer sees beyond is less than 1e-4 of a white."""
+LEAST_SEEN = 0.5
+"""Share of the luminance that bands must span: with less, the colour would be that of what was not measured."""
 KNEE = (6 / 29) ** 3
 """Where the cube root of L*a*b* gives way to a straight line."""
 
@@ -38,6 +40,11 @@ def tristimulus(bands: Bands, light: str) -> Float[np.ndarray, "band 3"]:
     light
         An illuminant of the library, such as ``"illuminant/D50"``.
 
+    Raises
+    ------
+    ValueError
+        If there is no such light, or most of what the eye sees is beyond the bands.
+
     Examples
     --------
     >>> from symrt.spectra.bands import wavelengths
@@ -50,6 +57,13 @@ def tristimulus(bands: Bands, light: str) -> Float[np.ndarray, "band 3"]:
     centres = np.array(bands.centres)
     nm, functions = observer()
     weights = functions[(nm >= fine[0]) & (nm <= fine[-1])] * spectrum(light, VISIBLE, reflectance=False)[:, None]
+    spanned = (fine >= centres[0]) & (fine <= centres[-1])
+    seen = weights[spanned, 1].sum() / weights[:, 1].sum()
+    if seen < LEAST_SEEN:
+        raise ValueError(
+            f"{bands!r} span {seen:.0%} of what the eye sees under {light}, the rest would be guessed: colours need "
+            "spectra of about 400 … 700 nm"
+        )
     each = np.eye(len(bands))
     within = np.clip(fine, centres[0], centres[-1])
     spread = CubicSpline(centres, each, bc_type="natural")(within) if len(bands) > 1 else np.ones((len(fine), 1))

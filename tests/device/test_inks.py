@@ -133,5 +133,5 @@ def test_prints_that_are_no_numbers_are_named():
     rgb = Device(
         "rgb", RGB, np.full((1, 3), 0.5), np.empty((1, 0)), (), np.zeros(3, dtype=bool), "", "", modelled=False
     )
-    with pytest.raises(ValueError, match="rgb is in RGB, which have no wavelengths"):
+    with pytest.raises(ValueError, match=r"rgb is in RGB, which have no wavelengths"):
         rgb.on(wavelengths(400, 700, 100))
