@@ -19,6 +19,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from symrt.arrays import Spectrum
+from symrt.feedback.bounds import Sizes
 from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
@@ -73,14 +74,14 @@ class Along:
         taken = self._rows(rows)
         return np.stack([taken[id(G)] @ spectra for G, spectra in self.parts])
 
-    def size(self, t: Number, rows: slice) -> float:
-        """The largest sum of magnitudes of some pixels, at any value up to t; 0 where nothing cancels."""
+    def size(self, t: Number, rows: slice) -> Sizes:
+        """The largest sum of magnitudes in each of some pixels, at any value up to t; one 0 where nothing cancels."""
         if not self.signed:
-            return 0.0
+            return np.zeros((1, 1))
         sizes = np.stack([G[rows] @ spectra for G, spectra in self.sizes])
         if self.form == "bernstein":
-            return float(sizes.max(initial=0))
-        return float(np.tensordot(float(t) ** np.arange(len(sizes)), sizes, axes=1).max(initial=0))
+            return sizes.max(axis=(0, 2), initial=0)[:, None]
+        return np.tensordot(float(t) ** np.arange(len(sizes)), sizes, axes=1).max(axis=1, initial=0)[:, None]
 
     def at(self, t: Number, rows: slice = slice(None)) -> Float[np.ndarray, "pixel band"]:
         """The pixels at one value of the parameter."""
@@ -126,10 +127,12 @@ class Along:
         shares = [(spectra / bounds).max(axis=1, initial=0) for _, spectra in self.parts]
         if self.form == "bernstein":
             return self.parts[0][0] @ np.max(shares, axis=0)
-        return np.sum(
-            [float(t) ** k * (G @ share) for k, ((G, _), share) in enumerate(zip(self.parts, shares, strict=True))],
-            axis=0,
-        )
+        # Beyond all floats nothing is told to be inside.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.sum(
+                [np.float64(t) ** k * (G @ s) for k, ((G, _), s) in enumerate(zip(self.parts, shares, strict=True))],
+                axis=0,
+            )
 
     def _rows(self, rows: slice | Int[np.ndarray, " row"]) -> dict[int, sparse.csr_array]:
         """Rows of each part of G; a blend's parts are all of G, which is cut once."""

@@ -1,5 +1,6 @@
 """Bounds on radiances: what slabs of reflectances ask of pixels seen against a reference white, for step 5."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,7 +10,7 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import Spectrum
 from symrt.gamut.interface import Slabs
 
-__all__ = ["Bound", "bound_of", "nearest_slab"]
+__all__ = ["Bound", "Sizes", "alike", "bound_of", "nearest_slab"]
 
 NEGLIGIBLE = 1e-4
 """Share of a slab's weights that may lie in bands that the reference white does not light."""
@@ -17,6 +18,7 @@ THIN = 1e-3
 """A slab whose bounds are all smaller has its distances counted as they are, not as shares."""
 
 PerSlab = Float[np.ndarray, " slab"]
+Sizes = Float[np.ndarray, "_ 1"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +86,25 @@ def bound_of(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> B
         words=tuple(word for word, taken in zip(slabs.words, used, strict=True) if taken),
         extrapolated=slabs.extrapolated[used],
     )
+
+
+def alike(sizes: Sizes, bound: Bound) -> Iterator[tuple[Int[np.ndarray, " row"], float]]:
+    """Rows of about the same size, and the largest there; those no larger than the bounds are together.
+
+    What is lost to rounding in a pixel as bright as the sun is not to be feared in any other.
+
+    Examples
+    --------
+    >>> bound = Bound(np.eye(1), np.zeros(1), np.ones(1), np.zeros(1, dtype=int))
+    >>> [(rows.tolist(), most) for rows, most in alike(np.array([[0.0], [5e8], [0.5]]), bound)]
+    [([0, 2], 0.5), ([1], 500000000.0)]
+    """
+    ends = np.abs(np.concatenate([bound.lower, bound.upper]))
+    ordinary = ends[np.isfinite(ends)].max(initial=np.finfo(float).tiny)
+    order = np.frexp(np.maximum(sizes[:, 0] / ordinary, 0.5))[1]
+    for k in np.unique(order):
+        rows = np.flatnonzero(order == k)
+        yield rows, float(sizes[rows].max())
 
 
 def nearest_slab(bound: Bound, values: PerSlab) -> tuple[Literal["upper", "lower"], int, float]:

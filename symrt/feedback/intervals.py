@@ -5,13 +5,14 @@ Pixels are themselves sums of rounded products: the bounds are moved inwards by 
 what is certified holds for the system's and the palette's own numbers.
 """
 
+from collections.abc import Sequence
 from math import comb
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.along import Along
-from symrt.feedback.bounds import Bound
+from symrt.feedback.bounds import Bound, Sizes, alike
 from symrt.feedback.lines import Line
 from symrt.feedback.paints import Paints, painted_intervals
 from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
@@ -31,9 +32,11 @@ FAR = 1 - 1e-9
 Rows = Int[np.ndarray, " _"]
 Powers = Float[np.ndarray, "power pixel slab"]
 Slabs = Float[np.ndarray, " slab"]
+Moved = Float[np.ndarray, "*pixel slab"]
+Range = tuple[Number, Number]
 
 
-def intervals(line: Line, bound: Bound, within: tuple[Number, Number], inward: int = 2) -> Spans:
+def intervals(line: Line, bound: Bound, within: Range, inward: int = 2) -> Spans:
     """The parts of `within` that keep each row of `line`, already seen through the bound's matrix, inside.
 
     Rows that no value keeps inside do not occur in the result.  The bounds are moved inwards by `inward` times what the
@@ -47,11 +50,7 @@ def intervals(line: Line, bound: Bound, within: tuple[Number, Number], inward: i
     for start in range(0, len(rest), TILE):
         found = _tile(line, slice(start, start + TILE), bound, within, inward)
         tiles.append(found._replace(pixel=rest[found.pixel + start]))
-    pixel, low, high = (np.concatenate(column) for column in zip(*tiles, strict=True))
-    if not len(sure):
-        return Spans(pixel, low, high)
-    order = np.argsort(pixel, kind="stable")
-    return Spans(pixel[order], low[order], high[order])
+    return _ordered(tiles)
 
 
 def inside_at(line: Line, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
@@ -98,24 +97,42 @@ def _parted(line: Along, bound: Bound, top: Number) -> tuple[Rows, Rows]:
     return rows[sure], rows[~sure]
 
 
-def _tile(line: Along, rows: slice, bound: Bound, within: tuple[Number, Number], inward: int) -> Spans:
-    c = line.coefficients(rows)
-    rounding, size = line.terms * ROUNDING, line.size(max(1.0, within[1]), rows)
-    moved = size + float(np.abs(c).max(initial=0)) / line.terms if line.form == "bernstein" else size
+def _tile(line: Along, rows: slice, bound: Bound, within: Range, inward: int) -> Spans:
+    c, curved, rounding = line.coefficients(rows), line.degrees[rows] > 1, line.terms * ROUNDING
+    size = np.broadcast_to(line.size(max(1.0, within[1]), rows), (len(curved), 1))
     # In Bernstein's form differences are rounded, too.
-    lower, upper = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * moved)
-    c = _eased(line, c, _moved(bound.lower, bound.upper, -rounding, -rounding * size), (lower, upper))
-    curved = line.degrees[rows] > 1
+    differences = np.abs(c).max(axis=(0, 2), initial=0)[:, None] / line.terms if line.form == "bernstein" else 0.0
+    parts = []
+    for group, largest in alike(size + differences, bound):
+        moved = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * largest)
+        if (moved[0] > moved[1]).any():  # So large that nothing can be told from outside.
+            continue
+        wide = _moved(bound.lower, bound.upper, -rounding, -rounding * float(size[group].max()))
+        part = _eased(line, c if len(group) == len(curved) else c[:, group], wide, moved)
+        found = _group(curved[group], line, part, moved, within)
+        parts.append(found._replace(pixel=group[found.pixel]))
+    return _ordered(parts)
+
+
+def _group(
+    curved: Bool[np.ndarray, " pixel"], line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: Range
+) -> Spans:
+    """Pixels whose bounds are moved by as much."""
     if not curved.any():
-        return _affine(line, c, (lower, upper), within)
-    straight, bent = (
-        _affine(line, c[:, ~curved], (lower, upper), within),
-        _curved(line, c[:, curved], (lower, upper), within),
-    )
-    pixel = np.concatenate([np.flatnonzero(~curved)[straight.pixel], np.flatnonzero(curved)[bent.pixel]])
-    order = np.argsort(pixel, kind="stable")
-    low, high = (np.concatenate([a, b])[order] for a, b in zip(straight[1:], bent[1:], strict=True))
-    return Spans(pixel[order], low, high)
+        return _affine(line, c, bounds, within)
+    straight, bent = _affine(line, c[:, ~curved], bounds, within), _curved(line, c[:, curved], bounds, within)
+    places = np.flatnonzero(~curved)[straight.pixel], np.flatnonzero(curved)[bent.pixel]
+    return _ordered([found._replace(pixel=place) for found, place in zip((straight, bent), places, strict=True)])
+
+
+def _ordered(parts: Sequence[Spans]) -> Spans:
+    """The spans of several sets of pixels, in the order of the pixels."""
+    if len(parts) == 1:
+        return parts[0]
+    none = Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
+    whole = Spans(*(np.concatenate(column) for column in zip(none, *parts, strict=True)))
+    order = np.argsort(whole.pixel, kind="stable")
+    return Spans(*(column[order] for column in whole))
 
 
 def _eased(line: Along, c: Powers, wide: tuple[Slabs, Slabs], moved: tuple[Slabs, Slabs]) -> Powers:
@@ -128,13 +145,13 @@ def _eased(line: Along, c: Powers, wide: tuple[Slabs, Slabs], moved: tuple[Slabs
     return np.concatenate([eased[None], c[1:] if line.form == "power" else np.where(inside, eased, c[1:])])
 
 
-def _affine(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: tuple[Number, Number]) -> Spans:
+def _affine(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: Range) -> Spans:
     direction = c[1] if line.form == "power" else c[-1] - c[0]
     found = clip_slabs(*bounds, c[0], direction)
     return _within(found.low, found.high, within)
 
 
-def _curved(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: tuple[Number, Number]) -> Spans:
+def _curved(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: Range) -> Spans:
     lower, upper = bounds
     if line.form == "bernstein":
         return spans_inside(c, lower, upper, within)
@@ -145,15 +162,13 @@ def _curved(line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: tuple[N
     return _within(low, highest(c, upper, within[1]), within)
 
 
-def _within(
-    low: Float[np.ndarray, " pixel"], high: Float[np.ndarray, " pixel"], within: tuple[Number, Number]
-) -> Spans:
+def _within(low: Float[np.ndarray, " pixel"], high: Float[np.ndarray, " pixel"], within: Range) -> Spans:
     low, high = np.maximum(low, within[0]), np.minimum(high, within[1])
     kept = np.flatnonzero(low <= high)
     return Spans(kept, low[kept], high[kept])
 
 
-def _moved(lower: Slabs, upper: Slabs, error: float, extra: float) -> tuple[Slabs, Slabs]:
+def _moved(lower: Slabs, upper: Slabs, error: float, extra: float | Sizes) -> tuple[Moved, Moved]:
     """Bounds moved inwards (outwards for a negative error) by a share of their size, and by a constant."""
     down, up = (np.where(np.isfinite(b), error * np.abs(b) + extra, 0.0) for b in (lower, upper))
     return lower + down, upper - up

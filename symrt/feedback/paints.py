@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from symrt.feedback.along import along_ends
-from symrt.feedback.bounds import Bound
+from symrt.feedback.bounds import Bound, Sizes, alike
 from symrt.feedback.mixing import absorption, painted
 from symrt.feedback.parameters import Ends
 from symrt.feedback.polynomials import HALVINGS, ROUNDING, Spans, joined, placed
@@ -97,12 +97,12 @@ class Paints:
         """Some of the pixels, each at a value of its own."""
         return _image(self, rows, t, t)[0]
 
-    def size(self, t: Number, rows: slice) -> float:  # noqa: ARG002  # as polynomials are asked
-        """The largest sum of magnitudes of some pixels, at any t; 0 where nothing cancels."""
+    def size(self, t: Number, rows: slice) -> Sizes:  # noqa: ARG002  # as polynomials are asked
+        """The largest sum of magnitudes in each of some pixels, at any t; one 0 where nothing cancels."""
         if not self.signed:
-            return 0.0
+            return np.zeros((1, 1))
         most = self.products(np.maximum(self.first, self.last)[None])[0] @ abs(self.matrix)
-        return float((abs(self.G[rows]) @ most).max(initial=0))
+        return (abs(self.G[rows]) @ most).max(axis=1, initial=0)[:, None]
 
     def products(self, mixtures: Float[np.ndarray, "value mixture band"]) -> Float[np.ndarray, "value _ band"]:
         """Γ for each of some values of all mixtures."""
@@ -156,11 +156,15 @@ def painted_intervals(line: Paints, bound: Bound, within: tuple[Number, Number])
     tiles = [Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))]
     for start in range(0, len(line.degrees), TILE):
         rows = np.arange(start, min(start + TILE, len(line.degrees)))
-        tile = _rows(line, rows)
-        room = _room(tile, bound)
-        solved, rest = _solved(tile, room, within)
-        halved = _halved(_rows(tile, rest), room, within)
-        tiles += [solved._replace(pixel=rows[solved.pixel]), halved._replace(pixel=rows[rest[halved.pixel]])]
+        size = np.broadcast_to(_rows(line, rows).size(1.0, slice(None)), (len(rows), 1))
+        for group, most in alike(size, bound):
+            tile, room = _rows(line, rows[group]), _room(line, bound, most)
+            solved, rest = _solved(tile, room, within)
+            halved = _halved(_rows(tile, rest), room, within)
+            tiles += [
+                solved._replace(pixel=rows[group[solved.pixel]]),
+                halved._replace(pixel=rows[group[rest[halved.pixel]]]),
+            ]
     pixel, low, high = (np.concatenate(column) for column in zip(*tiles, strict=True))
     order = np.lexsort((low, pixel))
     return Spans(pixel[order], low[order], high[order])
@@ -174,8 +178,8 @@ class _Room(NamedTuple):
     perhaps: tuple[Bounds, Bounds]
 
 
-def _room(line: Paints, bound: Bound) -> _Room:
-    error, size = line.terms * ROUNDING, line.size(1.0, slice(None))
+def _room(line: Paints, bound: Bound, size: float) -> _Room:
+    error = line.terms * ROUNDING
 
     def inward(times: float) -> tuple[Bounds, Bounds]:
         down, up = (np.where(np.isfinite(b), np.abs(b) + size, 0.0) for b in (bound.lower, bound.upper))

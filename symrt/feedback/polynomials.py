@@ -24,6 +24,8 @@ __all__ = ["HALVINGS", "ROUNDING", "Spans", "highest", "joined", "lowest", "plac
 ROUNDING = 2.0**-53
 MOST_STEPS = 200
 """Newton's steps at most; from far above, each multiplies t by 1 − 1/D or less."""
+NEARLY = 1e-12
+"""What a root of a single term is raised by, to be above whatever its rounding."""
 HALVINGS = 36
 """Pieces of the range narrower than 2⁻³⁶ of it that are still undecided count as outside."""
 
@@ -52,7 +54,11 @@ def highest(q: Powers, upper: Bounds, top: Number) -> Values:
     array([1.])
     """
     error = _rounding(q)
-    t = _newton(q, upper * (1 - 2 * error), top, np.min, np.inf)
+    aim = upper * (1 - 2 * error)
+    t = _newton(q, aim, _above(q, aim, top, np.min, np.inf), np.min, np.inf)
+    # What was found before as the end, and is certain there, is found again.
+    with np.errstate(over="ignore", invalid="ignore"):
+        t = np.where((_value(q, np.full_like(t, top)) * (1 + error) <= upper).all(axis=1), float(top), t)
     sure = (_value(q, t) * (1 + error) <= upper).all(axis=1)
     return np.where(sure, t, np.where((q[0] <= upper).all(axis=1), 0.0, -np.inf))
 
@@ -68,7 +74,8 @@ def lowest(q: Powers, lower: Bounds, top: Number) -> Values:
     array([1.])
     """
     error = _rounding(q)
-    t = _newton(q, lower * (1 + 2 * error), top, np.max, -np.inf)
+    aim = lower * (1 + 2 * error)
+    t = _newton(q, aim, _above(q, aim, top, np.max, -np.inf), np.max, -np.inf)
     sure = (_value(q, t) * (1 - error) >= lower).all(axis=1)
     return np.where((q[0] >= lower).all(axis=1), 0.0, np.where(sure, t, np.inf))
 
@@ -86,15 +93,16 @@ def spans_inside(
     >>> spans.pixel.tolist(), spans.low.round(6).tolist(), spans.high.round(6).tolist()
     ([0, 0], [0.0, 0.723607], [0.276393, 1.0])
     """
-    pieces = _between(b, *within)
+    # Halving averages numbers, so that its error stays below that of this many roundings.
+    slack = (2 * halvings * len(b) + 8) * ROUNDING * np.abs(b).max(initial=0)
+    pieces = _between(_rested(b, lower, upper, 2 * slack), *within)
     pixel, start = np.arange(b.shape[1]), np.zeros(b.shape[1])
     found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-    # Halving averages non-negative numbers, so that its error stays below that of this many roundings.
-    slack = (2 * halvings * len(b) + 8) * ROUNDING * np.abs(b).max(initial=0)
     for level in range(halvings + 1):
         least, largest = pieces.min(axis=0), pieces.max(axis=0)
         inside = ((least >= lower + slack) & (largest <= upper - slack)).all(axis=1)
-        outside = ((least > upper) | (largest < lower)).any(axis=1)
+        # Of what lies all within the slack of a bound, no part will ever be certain: it is not halved further.
+        outside = ((least > upper - slack) | (largest < lower + slack)).any(axis=1)
         width = 0.5**level
         found.append((pixel[inside], start[inside], start[inside] + width))
         open_ = ~(inside | outside)
@@ -106,13 +114,31 @@ def spans_inside(
     return joined(found, within)
 
 
-def _newton(q: Powers, aim: Slabs, top: Number, choose: Callable[..., Values], ignored: float) -> Values:
-    """Newton's method in all slabs at once, downwards from `top`: the first, or the last, of the roots.
+def _rested(b: Powers, lower: Bounds, upper: Bounds, room: float) -> Powers:
+    """What does not change with t, and is inside, is put where slack does not matter: it may lie on a bound."""
+    still = (b == b[0]).all(axis=0) & (lower <= b[0]) & (b[0] <= upper)
+    return np.where(still, np.clip(b[0], lower + room, upper - room), b) if still.any() else b
+
+
+def _above(q: Powers, aim: Slabs, top: Number, choose: Callable[..., Values], ignored: float) -> Values:
+    """Where Newton's method may start: no root is above, and none far below, as no single term passes the aim there.
+
+    From `top` it might take more steps than it has, because each goes only a share of the way down.
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        room = np.maximum(aim - q[0], 0.0)
+        alone = [np.where(part > 0, (room / part) ** (1 / k), np.inf) for k, part in enumerate(q[1:], start=1)]
+    first = np.min(alone, axis=0) * (1 + NEARLY)
+    return np.minimum(choose(np.where(q[1:].any(axis=0), first, ignored), axis=1), float(top))
+
+
+def _newton(q: Powers, aim: Slabs, start: Values, choose: Callable[..., Values], ignored: float) -> Values:
+    """Newton's method in all slabs at once, downwards from the start: the first, or the last, of the roots.
 
     The tangent at t meets the aim at ``(aim − q_0 + Σ (k − 1) q_k t^k) / Σ k q_k t^(k−1)``; written so, nothing but
     aim − q_0 cancels.  A tangent to a convex function lies below it: no root is passed.
     """
-    t = np.full(q.shape[1], float(top))
+    t = np.maximum(start, 0.0)
     active = np.arange(len(t))
     for _ in range(MOST_STEPS):
         slope, bend = _derivatives(q[:, active], t[active])

@@ -7,6 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from symrt.feedback import polynomials
 from symrt.feedback.polynomials import highest, lowest, spans_inside
 from symrt.gamut.clipping import clip_slabs
 
@@ -142,3 +143,41 @@ def test_a_pixel_can_leave_and_come_back():
     assert found.pixel.tolist() == [0, 0]
     assert found.high[0] == pytest.approx((1 - 5**-0.5) / 2, abs=1e-9)
     assert found.low[1] == pytest.approx((1 + 5**-0.5) / 2, abs=1e-9)
+
+
+@pytest.mark.parametrize("degree", [2, 4, 6])
+@pytest.mark.parametrize("top", [1e4, 1e20, 1e45])
+def test_roots_far_below_the_end_of_the_range_are_reached(degree, top):
+    """Newton's method goes down from the end of the range only a share of the way at a time."""
+    q, upper = draws(degree, seed=3)
+    q[1:] += 1e-3
+    near, far = highest(q, upper, 50.0), highest(q, upper, top)
+    assert (near > 0).sum() > 100
+    np.testing.assert_allclose(far, near, rtol=1e-12)
+    np.testing.assert_allclose(lowest(q, upper, top), lowest(q, upper, 50.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("value", [1.0, 0.25, np.nextafter(1.0, 0.0)])
+def test_a_slab_that_stays_on_its_bound_asks_for_nothing(value):
+    """The other slab alone has roots: x² + (1 − x)² is 0.625 at 1/4 and at 3/4."""
+    b = np.array([[[value, 1.0]], [[value, 0.0]], [[value, 1.0]]])
+    found = spans_inside(b, np.array([0.25, 0.0]), np.array([1.0, 0.625]), (0.0, 1.0), halvings=14)
+    assert (len(found.low), found.pixel.tolist()) == (1, [0])
+    np.testing.assert_allclose([found.low[0], found.high[0]], [0.25, 0.75], atol=2.0**-13)
+
+
+@pytest.mark.parametrize("room", [2.0**-50, 0.0, -(2.0**-50)])
+def test_what_cannot_be_told_from_a_bound_is_given_up_at_once(room, monkeypatch):
+    halved = []
+    monkeypatch.setattr(polynomials, "_halved", lambda b: halved.append(b.shape[1]) or (b, b))
+    b = np.linspace(1, 1 + 2.0**-51, 3)[:, None, None]
+    found = spans_inside(b, np.zeros(1), np.ones(1) + room, (0.0, 1.0), halvings=8)
+    assert (len(found.low), sum(halved)) == (0, 0)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 6])
+def test_an_end_that_was_found_is_found_again(degree):
+    q, upper = draws(degree, seed=5)
+    found = highest(q, upper, 3.0)
+    again = [highest(q[:, [k]], upper, t)[0] for k, t in enumerate(found) if t > 0]
+    np.testing.assert_array_equal(again, found[found > 0])

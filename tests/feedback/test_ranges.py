@@ -29,6 +29,7 @@ IMAGE, COLOURS = system(), palette()
 SCALES = [Scale("key"), Scale("fill"), Scale("deep"), Scale("brass"), Scale("brass.specular"), Exposure()]
 BLENDS = [Blend("deep", "ice"), Blend("upland", "shelf"), Blend("ice", "mountain")]
 UNIT, ENVELOPE = device_gamut(DEVICE, "unit"), device_gamut(DEVICE, "envelope")
+MONITOR, COLOURED = device_gamut(load_device("crt-brainard", BANDS), "monitor"), device_gamut(DEVICE, "colorimetric")
 
 
 def reflectances(image, colours, parameter, t, reference=None):
@@ -257,6 +258,50 @@ def test_a_negative_coefficient_is_handled_without_assuming_monotone_pixels():
     assert found.high == pytest.approx((0.5 + np.sqrt(0.25 + 1.6)) / 0.8, rel=1e-9)
 
 
+@pytest.mark.parametrize("bright", [1e6, 1e12])
+@pytest.mark.parametrize("gamut", [UNIT, MONITOR, COLOURED], ids=["unit", "monitor", "colorimetric"])
+@pytest.mark.parametrize("parameter", [Blend("a", "b"), Blend("a", "b", "kubelka-munk"), Scale("a")], ids=str)
+def test_a_pixel_as_bright_as_the_sun_leaves_all_others_their_range(parameter, gamut, bright):
+    """What rounding amounts to there is no other pixel's affair, whether it is moved, mirrors itself, or is at rest."""
+    columns = tuple(sorted(Interaction("key", met) for met in [("a.diffuse",), ("a.diffuse",) * 2, ("b.diffuse",)]))
+    one, two, other = (
+        columns.index(Interaction("key", met)) for met in [("a.diffuse",), ("a.diffuse",) * 2, ("b.diffuse",)]
+    )
+    coefficients = np.zeros((6, 3))
+    coefficients[[0, 1, 2, 3, 4], [one, two, other, other, two]] = 1.2, 1.3, 1.6, 1.9, bright
+    coefficients[1, one] = 0.3
+    ramp = np.linspace(0, 1, 36)
+    colours = Palette(BANDS, {"key": 1.0, "a.diffuse": 0.5 + 0.1 * ramp, "b.diffuse": 0.8 - 0.2 * ramp})
+    image = LinearSystem(sparse.csr_array(coefficients), columns, 1, 6, white={"key": 1.0})
+    options = {"cap": False, "progress": False}
+    alone = feasible(image, colours, gamut, parameter, mask=np.arange(6)[None] < 4, **options)
+    among = feasible(image, colours, gamut, parameter, allowed_out=0.75, **options)
+    assert set(among.untouched_outside) == set(alone.untouched_outside)
+    assert set(among.unfixable) == {*alone.unfixable, 4}
+    values = np.setdiff1d(alone.curve.values, alone.within)
+    assert len(values)
+    assert np.abs(among.curve.values[:, None] - values).min(axis=0).max() < 1e-9
+
+
+def test_materials_that_are_white_in_one_band_may_mirror_themselves():
+    """A band that lies on its bound whatever the blend asks for nothing; the others decide."""
+    columns = (Interaction("key", ("a.diffuse",)), Interaction("key", ("a.diffuse",) * 2))
+    image = LinearSystem(sparse.csr_array([[0.5, 0.5]]), columns, 1, 1, white={"key": 1.0})
+    one, other = np.full(36, 0.5), np.full(36, 0.9)
+    one[0] = other[0] = 1.0
+    found = feasible(image, Palette(BANDS, {"key": 1.0, "a.diffuse": one, "b.diffuse": other}), UNIT, Blend("a", "b"))
+    assert (found.intervals, found.verdict) == (((0.0, 1.0),), "complete")
+
+
+@pytest.mark.parametrize("top", [1e20, 1e60, 1e300])
+def test_ranges_of_any_length_end_where_pixels_do(top):
+    image = LinearSystem(sparse.csr_array([[1e6]]), (Interaction("key", ("a.mirror",) * 6),), 1, 1, white={"key": 1.0})
+    colours = Palette(BANDS, {"key": 1.0, "a.mirror": 0.9})
+    found = feasible(image, colours, UNIT, Scale("a"), within=(0.0, top), cap=False)
+    # 1e6 (0.9 t)⁶ = 1 at t = 1 / 9.
+    assert found.high == pytest.approx(1 / 9, rel=1e-12)
+
+
 def test_a_picture_of_nothing_is_inside_whatever_happens():
     empty = replace(IMAGE, G=sparse.csr_array(IMAGE.G.shape))
     found = feasible(empty, COLOURS, UNIT, Scale("key"))
@@ -323,7 +368,8 @@ def test_the_answer_reads_like_a_sentence_and_says_what_is_modelled():
         ({"within": (0.0, np.nan)}, "finite"),
         ({"allowed_out": 5.0}, "for 5 % give 0.05"),
         ({"allowed_dark": -0.1}, "allowed_dark = -0.1"),
-        ({"parameter": Blend("deep", "ice"), "within": (0.0, 2.0)}, "high <= 1"),
+        ({"parameter": Blend("deep", "ice"), "within": (0.0, 2.0)}, "at most 1"),
+        ({"parameter": Blend("deep", "ice"), "within": (0.0, 0.0)}, "high above 0"),
         ({"palette": Palette(RGB, {"key": 1.0})}, r"palette is in RGB, unit gamut .* in Bands"),
         ({"reference": Reference("keys")}, "keys"),
     ],

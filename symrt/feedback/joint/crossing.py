@@ -215,7 +215,7 @@ def _surely_inside(line: Along, bound: Bound) -> Mask:
         still = ~_moves(line, rows)
         values = line.coefficients(rows)[0]
         error = line.terms * ROUNDING
-        size = error * max(float(np.abs(values).max(initial=0)), line.size(1.0, rows))
+        size = error * np.maximum(np.abs(values).max(axis=1, initial=0)[:, None], line.size(1.0, rows))
         lower = bound.lower + np.where(np.isfinite(bound.lower), error * np.abs(bound.lower) + size, 0.0)
         upper = bound.upper - np.where(np.isfinite(bound.upper), error * np.abs(bound.upper) + size, 0.0)
         inside[rows] = (~still | ((lower <= values) & (values <= upper))).all(axis=1)
