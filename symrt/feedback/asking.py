@@ -175,4 +175,6 @@ def _extreme(line: Line, pixels: Pixels, most: int) -> Pixels:
             value = sign * reach[place, np.arange(reach.shape[1])]
             farther = value > best[row]
             best[row, farther], who[row, farther] = value[farther], start + place[farther]
-    return np.unique(who)[:most]
+    # Of too many, those in single bands come first, and not those at the top of the picture.
+    places, first = np.unique(who.ravel(order="F"), return_index=True)
+    return np.sort(places[np.argsort(first)][:most])

@@ -128,9 +128,9 @@ def ends_owners(ends: Collection[str], parameter: Parameter) -> dict[str, tuple[
 def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> tuple[str, ...]:
     """The symbols that a scale multiplies: a light, a component, or all components of a material."""
     symbols = sorted({*system.lights, *system.symbols, *palette})
-    found = [s for s in symbols if parameter.name in (s, material_of(s))]
+    found = [s for s in symbols if parameter.name in {s, material_of(s)} - {""}]
     if not found:
-        known = sorted({*symbols, *(material_of(s) for s in symbols)})
+        known = sorted({*symbols, *(material_of(s) for s in symbols)} - {""})
         near = did_you_mean([parameter.name], known)
         there = "" if "did you mean" in near else f"; there are {', '.join(name for name in known if '.' not in name)}"
         raise ValueError(

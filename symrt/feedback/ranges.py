@@ -7,7 +7,6 @@ than allowed are in the way, else it holds for the *rest only*.  Shares are of o
 """
 
 import time
-from collections.abc import Callable
 from functools import reduce
 from typing import NamedTuple
 
@@ -38,7 +37,6 @@ Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
 ASKED = 500
 """Pixels that a hull is asked about."""
-Why = Callable[[End, float], Reason]
 
 
 def feasible(  # noqa: PLR0913  # a public verb names its options
@@ -124,21 +122,13 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     capped = physical_cap(palette, symbols) if cap and not isinstance(parameter, Blend) else UNLIMITED
     constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
-
-    def why(end: End, t: float) -> Reason:
-        return reason(line, asked, end, t, system.width, capped)
-
-    def moves(end: End, t: float) -> tuple[Sensitivity, ...]:
-        if end.pixel < 0:
-            return ()
-        return sensitivities(system, palette, parameter, t, end.pixel, met(line, asked, end, t, system.width).weights)
-
+    stops = _Stops(system, palette, parameter, asked, line, capped)
     return Feasible(
         parameter=parameter,
         within=within,
         intervals=tuple((piece.low, piece.high) for piece in found),
-        reasons=tuple((why(piece.below, piece.low), why(piece.above, piece.high)) for piece in found),
-        conflict=None if found else _conflict(constraints, why),
+        reasons=tuple((stops.why(p.below, p.low), stops.why(p.above, p.high)) for p in found),
+        conflict=None if found else _conflict(constraints, stops),
         verdict="complete" if budget >= 0 else "rest-only",
         untouched_outside=image.outside,
         unfixable=image.unfixable,
@@ -148,9 +138,31 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         curve=image.curve,
         note="; ".join(filter(None, [asked.note, counted.note])),
         width=system.width,
-        sensitivities=tuple((moves(piece.below, piece.low), moves(piece.above, piece.high)) for piece in found),
+        sensitivities=tuple((stops.moves(p.below, p.low), stops.moves(p.above, p.high)) for p in found),
         seconds=time.perf_counter() - start,
     )
+
+
+class _Stops(NamedTuple):
+    """What stops a parameter where its intervals end."""
+
+    system: LinearSystem
+    palette: Palette
+    parameter: Parameter
+    asked: Limits
+    line: Line
+    capped: Cap
+
+    def why(self, end: End, t: float) -> Reason:
+        """The pixel, wavelength and side, or what else it is."""
+        return reason(self.line, self.asked, end, t, self.system.width, self.capped)
+
+    def moves(self, end: End, t: float) -> tuple[Sensitivity, ...]:
+        """How each other parameter would move that end; none does where no pixel stops it."""
+        if end.pixel < 0:
+            return ()
+        weights = met(self.line, self.asked, end, t, self.system.width).weights
+        return sensitivities(self.system, self.palette, self.parameter, t, end.pixel, weights)
 
 
 class _Image(NamedTuple):
@@ -235,10 +247,10 @@ def _alone(piece: Piece) -> _Constraint:
     return _Constraint([piece], piece)
 
 
-def _conflict(constraints: list[_Constraint], why: Why) -> tuple[tuple[float, Reason], tuple[float, Reason]]:
+def _conflict(constraints: list[_Constraint], stops: _Stops) -> tuple[tuple[float, Reason], tuple[float, Reason]]:
     least = max((c.tightest for c in constraints), key=lambda piece: piece.low)
     most = min((c.tightest for c in constraints), key=lambda piece: piece.high)
-    return (least.low, why(least.below, least.low)), (most.high, why(most.above, most.high))
+    return (least.low, stops.why(least.below, least.low)), (most.high, stops.why(most.above, most.high))
 
 
 def reason(line: Line, asked: Limits, end: End, t: float, width: int, capped: Cap = UNLIMITED) -> Reason:
@@ -254,7 +266,8 @@ def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, fl
     """The range to look in, the parameter's usual one if none is given."""
     low, high = within or ((0.0, 1.0) if isinstance(parameter, Blend) else (0.01, 3.0))
     if not (0 <= low <= high and np.isfinite(high) and high > 0) or (isinstance(parameter, Blend) and high > 1):
-        rule = "0 <= low <= high <= 1" if isinstance(parameter, Blend) else "0 <= low <= high, high above 0 and finite"
+        most = "at most 1" if isinstance(parameter, Blend) else "finite"
+        rule = f"0 <= low <= high, high above 0 and {most}"
         raise ValueError(f"within = ({low}, {high}): the {parameter} needs {rule}")
     return float(low), float(high)
 

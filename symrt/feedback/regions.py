@@ -12,6 +12,7 @@ from scipy import sparse
 
 from symrt.errors import NAME
 from symrt.feedback.parameters import material_of
+from symrt.feedback.weighing import check_mask
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.system import Interaction, LinearSystem, Tail
 
@@ -44,8 +45,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
         raise ValueError(f"no material {did_you_mean([material], known)}; there are: {', '.join(sorted(known))}")
     if NAME.fullmatch(name) is None or name in known or name in system.lights:
         raise ValueError(f"{name!r}: a region needs a name of its own: a letter, then letters, digits, underscores")
-    if mask.shape != (system.height, system.width):
-        raise ValueError(f"the mask is {mask.shape}, the image {(system.height, system.width)}: one value a pixel")
+    check_mask(system, mask, "the mask")
     matrix, interactions = _parted(system.G, system.interactions, material, mask.ravel(), name)
     tail = system.tail and _parted_tail(system.tail, material, mask.ravel(), name)
     models = dict(system.models)

@@ -78,7 +78,8 @@ def sensitivities(
     Returns
     -------
     tuple
-        None of them where the pixel only touches the bound, so that t cannot follow.
+        None of them where the pixel only touches the bound, so that t cannot follow, or where a scale ends at 0, of
+        which there are no shares.
 
     Examples
     --------
@@ -100,7 +101,7 @@ def sensitivities(
     owners = ends_owners(ends, parameter)
     changes = {name: slopes(first, last, t, mixing_of(parameter)) for name, (first, last) in ends.items()}
     moving = _sum(gradient, {name: by_t for name, (by_t, _, _) in changes.items()})
-    if moving == 0:
+    if moving == 0 or (t == 0 and not isinstance(parameter, Blend)):
         return ()
     own = frozenset(ends) if not isinstance(parameter, Blend) else frozenset()
     found = []

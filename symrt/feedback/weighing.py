@@ -16,7 +16,7 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import did_you_mean
 from symrt.system import LinearSystem
 
-__all__ = ["Weighed", "check_most", "pixels_of", "weighed"]
+__all__ = ["Weighed", "check_mask", "check_most", "pixels_of", "weighed"]
 
 LARGEST_SUM = 61
 """Weights add up to less than 2⁶², so that no share is off by more than 2⁻⁴³ with half a million pixels."""
@@ -100,7 +100,7 @@ def weighed(
         return Weighed(objects)
     pixels, count = objects, len(objects)
     if mask is not None:
-        _check_shape(system, mask.shape, "mask")
+        check_mask(system, mask, "the mask")
         pixels = pixels[mask.ravel()[pixels]]
         _check_any(pixels, "the mask has no pixel that light reaches: nothing is asked")
     whole = None
@@ -180,6 +180,23 @@ def _whole(
     share = np.ldexp(mantissa, exponent - exponent.max())
     total = np.frexp(share.sum())[1]
     return pixels, np.maximum(1, np.rint(np.ldexp(share, LARGEST_SUM - int(total)))).astype(np.int64)
+
+
+def check_mask(system: LinearSystem, mask: np.ndarray, what: str) -> None:
+    """Refuse what does not say of each pixel whether it is meant: numbers would name others.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> image = LinearSystem(sparse.csr_array((2, 0)), (), height=1, width=2, white={})
+    >>> check_mask(image, np.array([[0, 1]]), "the mask")
+    Traceback (most recent call last):
+    ValueError: the mask is of int64: true or false is asked, such as mask > 0
+    """
+    if mask.shape != (system.height, system.width):
+        raise ValueError(f"{what} is {mask.shape}, the image {(system.height, system.width)}: one value a pixel")
+    if mask.dtype != bool:
+        raise ValueError(f"{what} is of {mask.dtype}: true or false is asked, such as mask > 0")
 
 
 def _check_shape(system: LinearSystem, shape: tuple[int, ...], name: str) -> None:

@@ -5,16 +5,20 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from feedback.synthetic import BANDS, palette, system
+from scipy import sparse
 
 from symrt.device import load_device
 from symrt.feedback import Blend, Exposure, Scale, feasible
 from symrt.feedback.along import along
-from symrt.feedback.asking import spans_inside_all
+from symrt.feedback.asking import drawn, spans_inside_all
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved, moved_ends
+from symrt.feedback.weighing import Weighed
 from symrt.gamut import device_gamut
+from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
+from symrt.system import Interaction, LinearSystem
 
 IMAGE, SMALL, COLOURS = system(height=8, width=8, seed=3), system(height=3, width=4, seed=3), palette(seed=3)
 MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")
@@ -90,6 +94,21 @@ def test_beyond_an_end_the_pixel_named_is_outside(model):
             assert not gamut.contains(seen(image, Scale("key"), t * beyond)[[pixel]])[0]
             assert why.of
             assert (why.band is None) == (model == "colorimetric")
+
+
+def test_pixels_extreme_in_a_band_are_asked_wherever_they_are():
+    """More pixels are extreme in some direction than are asked about: the last rows count as much as the first."""
+    random, materials = np.random.default_rng(4), [f"m{k}" for k in range(12)]
+    columns = tuple(Interaction("sun", (f"{m}.diffuse",)) for m in sorted(materials))
+    coefficients = random.uniform(0, 0.1, (3000, 12))
+    coefficients[-3:, 4:7] = 5 * np.eye(3)
+    image = LinearSystem(sparse.csr_array(coefficients), columns, 30, 100, white={"sun": 1.0})
+    bumps = {c.met[0]: np.exp(-(((np.arange(36) - 3 * k) / 2.0) ** 2)) for k, c in enumerate(columns)}
+    colours = Palette(BANDS, {"sun": 1.0, **bumps})
+    line, asked = along(image, colours, Scale("sun")), limits(image, colours, GAMUTS["hull"])
+    taken = drawn(line, asked, Weighed(np.arange(3000)), 1.0, most=200, extremes=True).pixels
+    assert {2997, 2998, 2999} <= set(taken)
+    assert len(taken) <= 200
 
 
 def test_few_pixels_are_asked_and_it_is_said_which():

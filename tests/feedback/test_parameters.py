@@ -117,6 +117,13 @@ def test_materials_that_differ_in_more_than_spectra_are_not_blended_silently():
         along(IMAGE, COLOURS, Blend("deep", "deep"))
 
 
+@pytest.mark.parametrize("name", ["", "nothing of the kind"])
+def test_a_scale_of_nothing_is_refused_with_the_names_that_there_are(name):
+    """A light's material has no name, and is not everything that has none."""
+    with pytest.raises(ValueError, match=r"there are brass, deep, fill, ice, key, lowland, mountain, shelf, upland$"):
+        along(IMAGE, COLOURS, Scale(name))
+
+
 def test_misspelt_names_get_a_suggestion():
     with pytest.raises(ValueError, match=r"'bras' \(did you mean 'brass'\?\)"):
         along(IMAGE, COLOURS, Scale("bras"))

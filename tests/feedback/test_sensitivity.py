@@ -9,6 +9,7 @@ from symrt.device.inks import load_device
 from symrt.explore.tables import feasible_record
 from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
 from symrt.feedback.ranges import feasible
+from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.palette import Palette
@@ -148,6 +149,12 @@ def test_where_no_pixel_stops_a_range_nothing_moves_it():
     capped = feasible(IMAGE, COLOURS, UNIT, Scale("upland"), within=(0.5, 100), allowed_out=1.0)
     assert capped.reasons[0][1].side == "cap"
     assert capped.sensitivities == (((), ()),)
+
+
+def test_a_limit_at_nothing_has_no_share_to_move_by():
+    pixel = int(np.flatnonzero(pixels_of(IMAGE, "deep"))[0])
+    found = sensitivities(IMAGE, COLOURS, Scale("deep"), 0.0, pixel, np.ones(len(BANDS)))
+    assert found == ()
 
 
 def test_shares_of_the_lights_add_up_to_the_exposure_and_are_sorted():

@@ -8,7 +8,7 @@ from symrt.device.inks import load_device
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.feedback.regions import split
-from symrt.feedback.weighing import Weighed, pixels_of, weighed
+from symrt.feedback.weighing import Weighed, check_mask, pixels_of, weighed
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
@@ -167,7 +167,7 @@ def test_what_might_be_there_is_not_there():
     ("question", "message"),
     [
         ({"weights": np.ones((2, 3))}, r"weights: the shape is \(2, 3\), the image's \(24, 24\)"),
-        ({"mask": np.ones((24, 1), dtype=bool)}, "mask: the shape is"),
+        ({"mask": np.ones((24, 1), dtype=bool)}, r"the mask is \(24, 1\), the image \(24, 24\)"),
         ({"weights": np.where(MASK, 1.0, -1.0)}, r"the weight of pixel \(\d+, \d+\) is -1.0"),
         ({"weights": np.full((24, 24), np.nan)}, r"pixel \(0, 0\) is nan"),
         ({"weights": np.full((24, 24), np.inf)}, "finite"),
@@ -180,6 +180,12 @@ def test_bad_weights_and_masks_are_refused_in_one_line(question, message):
     with pytest.raises(ValueError, match=message) as error:
         feasible(IMAGE, COLOURS, ENVELOPE, Scale("key"), **question)
     assert "\n" not in str(error.value)
+
+
+def test_a_mask_of_numbers_is_refused():
+    """As numbers of pixels it would ask about the first two."""
+    with pytest.raises(ValueError, match="the mask is of int64: true or false is asked, such as mask > 0"):
+        check_mask(IMAGE, MASK.astype(np.int64), "the mask")
 
 
 def test_a_name_that_is_not_in_the_picture_is_refused_with_those_that_are():

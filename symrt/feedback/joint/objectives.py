@@ -25,6 +25,7 @@ from symrt.feedback.joint.posynomials import Posynomials, sliders, stacked
 from symrt.feedback.joint.programmes import Programme, Solved, solved
 from symrt.feedback.joint.settling import GROWTH, near, raised
 from symrt.feedback.reasons import Reason
+from symrt.feedback.weighing import check_mask
 from symrt.spectra.bands import Number
 from symrt.spectra.shading import gamma
 
@@ -195,9 +196,7 @@ def _settled(found: Joint, answer: Solved, counted: Pixels | None, most: float |
 
 
 def _pixels(task: Task, mask: Mask) -> Pixels:
-    shape = (task.system.height, task.system.width)
-    if mask.shape != shape:
-        raise ValueError(f"a region's mask is {mask.shape}, the image {shape}: one value a pixel")
+    check_mask(task.system, mask, "a region's mask")
     return np.flatnonzero(mask.ravel() & task.system.object_pixels)
 
 
