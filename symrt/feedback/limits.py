@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
-from symrt.arrays import Spectrum
+from symrt.arrays import PixelBands, Spectrum
 from symrt.feedback.bounds import Bound, bound_of
 from symrt.feedback.solids import Solid
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
@@ -23,11 +23,12 @@ from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, whites
-from symrt.spectra.shading import tail_bound
+from symrt.spectra.shading import shade, tail_bound
 from symrt.system import LinearSystem
 
-__all__ = ["Bound", "Limits", "limits", "rising_limits"]
+__all__ = ["Bound", "Limits", "limits", "reflectances", "rising_limits", "white_in_every_band"]
 
+Pixels = Int[np.ndarray, " pixel"]
 INVISIBLE = 1e-6
 """Bands in which the reference white has less than this share of its maximum say nothing about reflectance."""
 
@@ -185,6 +186,24 @@ def white_in_every_band(
     if dark := [b for b, w in zip(palette.bands.labels, white, strict=True) if w < INVISIBLE * white.max()]:
         raise ValueError(f"the reference does not light {', '.join(dark)}: use Reference('equal-energy')")
     return white / reference.exposure
+
+
+def reflectances(system: LinearSystem, palette: Palette, white: Spectrum, pixels: Pixels) -> PixelBands:
+    """What some of the pixels are, seen against a white.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.spectra.bands import RGB
+    >>> from symrt.system import Interaction
+    >>> column = Interaction("sun", ("sea.diffuse",))
+    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> palette = Palette(RGB, {"sun": 2, "sea.diffuse": [0.2, 0.4, 0.8]})
+    >>> reflectances(system, palette, np.ones(3), np.array([1]))
+    array([[0.2, 0.4, 0.8]])
+    """
+    part = LinearSystem(system.G[pixels], system.interactions, 1, len(pixels), system.white, system.models)
+    return shade(part, palette).values[0] / white
 
 
 def _parts(gamut: ConvexGamut | UnevenGamut) -> list[ConvexGamut | UnevenGamut]:

@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter, minimum_filter
 from tqdm.auto import tqdm
 
+from symrt.arrays import Spectrum
 from symrt.feedback.limits import white_in_every_band
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, clip
@@ -31,6 +32,8 @@ Target = Literal["neutral", "centre", "nearest"]
 Reflectances = Float[np.ndarray, "pixel band"]
 REACH = 3
 """Standard deviations after which a Gaussian is cut off."""
+PULLS = 2.0 ** np.arange(-46, -9, 4)
+"""Parts of the way to the gamut's centre, one after another, that rounding may ask for; the first is always taken."""
 CHUNK = 256
 """Pixels outside that are moved at a time."""
 
@@ -127,13 +130,14 @@ def map_pixels(
         raise ValueError(f"{gamut.name}: not convex, so that a line may leave it and return; choose towards='nearest'")
     else:
         moved = _towards(system, gamut, seen, outside, towards, float(smoothness), progress)
+    changed = (moved != seen).any(axis=1)
     values = image.values.reshape(-1, len(white)).copy()
-    values[system.object_pixels] = moved * white
+    values[np.flatnonzero(system.object_pixels)[changed]] = _landed(gamut, moved[changed] * white, white)
     change = np.zeros(values.shape[0])
     change[system.object_pixels] = np.sqrt(np.mean((moved - seen) ** 2, axis=1))
     return Mapped(
         image=replace(image, values=values.reshape(image.values.shape)),
-        share=float(np.mean(change[system.object_pixels] > 0)) if outside.size else 0.0,
+        share=float(np.mean(changed)) if changed.size else 0.0,
         moved=change.reshape(system.height, system.width),
         note=f"{gamut.name}, towards {towards}, smoothness {smoothness:g}",
         seconds=time.perf_counter() - start,
@@ -173,6 +177,26 @@ def _reach(gamut: ConvexGamut, origin: Reflectances, direction: Reflectances) ->
     return np.clip(clip(gamut, origin, direction).high, 0.0, 1.0)
 
 
+def _landed(gamut: ConvexGamut | UnevenGamut, radiances: Reflectances, white: Spectrum) -> Reflectances:
+    """Pixels on the boundary, drawn towards the gamut's centre by as little as it takes to be inside for sure."""
+    grey = None if isinstance(gamut, UnevenGamut) else clip(gamut, *_neutral(len(white)))
+    if grey is None or grey.empty[0]:
+        return radiances
+    centre = (max(0.0, float(grey.low[0])) + float(grey.high[0])) / 2 * white
+    out = np.arange(len(radiances))
+    for share in PULLS:
+        radiances[out] += share * (centre - radiances[out])
+        out = np.flatnonzero(~gamut.contains(radiances / white))
+        if not len(out):
+            break
+    return radiances
+
+
+def _neutral(bands: int) -> tuple[Reflectances, Reflectances]:
+    """Black, and the direction of the greys."""
+    return np.zeros((1, bands)), np.ones((1, bands))
+
+
 def _chunks(count: int, progress: bool) -> Iterator[slice]:
     starts = range(0, count, CHUNK)
     for start in tqdm(starts, desc="map pixels", unit="chunk", delay=1, leave=False, disable=not progress):
@@ -181,7 +205,7 @@ def _chunks(count: int, progress: bool) -> Iterator[slice]:
 
 def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
     """The darkest and the lightest grey inside."""
-    span = clip(gamut, np.zeros((1, bands)), np.ones((1, bands)))
+    span = clip(gamut, *_neutral(bands))
     if span.empty[0]:
         raise ValueError(f"{gamut.name} has no grey to move towards: choose towards='nearest'")
     return max(0.0, float(span.low[0])), float(span.high[0])

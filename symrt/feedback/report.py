@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.feedback.limits import white_in_every_band
+from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.parameters import material_of
 from symrt.feedback.weighing import check_most
 from symrt.gamut.interface import ConvexGamut
@@ -22,7 +22,6 @@ from symrt.gamut.monitor import MonitorGamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, whites
-from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 
 __all__ = ["Report", "Verdict", "report"]
@@ -163,7 +162,7 @@ def report(
     white = white_in_every_band(system, palette, reference, gamuts)
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
-    image = _image(system, palette, pixels, 1 / white)
+    image = _image(system, palette, pixels, white)
     answers = [_answer(gamut.under(white), image) for gamut in gamuts]
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
     verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)
@@ -191,15 +190,16 @@ class _Answer:
     seconds: float
 
 
-def _image(system: LinearSystem, palette: Palette, pixels: Pixels, shown: Spectrum) -> _Image:
-    part = LinearSystem(system.G[pixels], system.interactions, 1, pixels.size, system.white, system.models)
+def _image(system: LinearSystem, palette: Palette, pixels: Pixels, white: Spectrum) -> _Image:
+    coefficients = system.G[pixels]
+    coefficients.eliminate_zeros()
     columns: dict[str, list[int]] = {}
     for j, interaction in enumerate(system.interactions):
         for material in {material_of(symbol) for symbol in interaction.met}:
             columns.setdefault(material, []).append(j)
-    materials = {name: np.diff(part.G[:, own].indptr) > 0 for name, own in sorted(columns.items())}
+    materials = {name: np.diff(coefficients[:, own].indptr) > 0 for name, own in sorted(columns.items())}
     places = np.stack([pixels % system.width, pixels // system.width], axis=1)
-    return _Image(places, shade(part, palette).values[0] * shown, palette.bands, materials)
+    return _Image(places, reflectances(system, palette, white, pixels), palette.bands, materials)
 
 
 def _answer(gamut: ConvexGamut | UnevenGamut, image: _Image) -> _Answer:

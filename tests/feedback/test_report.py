@@ -11,6 +11,7 @@ import symrt as rt
 from symrt.device import load_device, load_monitor
 from symrt.feedback import report
 from symrt.gamut import device_gamut, monitor_gamut
+from symrt.system import Interaction
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +75,17 @@ def test_one_pixel_outside_is_never_rounded_away(asked):
     said = report(system, palette.replace(key=0.999 * palette["key"]), gamuts[:2])
     for verdict, row in zip(said.verdicts, said.rows, strict=True):
         assert (row[1] == "100.0%") == (verdict.inside == 1)
+
+
+def test_a_coefficient_of_zero_contributes_nothing(asked):
+    """A stored one, as a file may hold."""
+    columns = tuple(Interaction("key", (f"{name}.diffuse",)) for name in ("ice", "sea"))
+    stored = sparse.csr_array(np.array([[0.5, 1.0], [1.0, 0.5]]))
+    stored.data[[1, 2]] = 0.0
+    system = rt.LinearSystem(stored, columns, 1, 2, white={"key": 1.0})
+    palette = rt.Palette(asked[1].bands, {"key": 1.0, "ice.diffuse": 0.9, "sea.diffuse": 0.1})
+    bright = replace(system, white={"key": 0.4})
+    assert report(bright, palette, asked[2][:1]).verdicts[0].materials == {"ice": 0.0, "sea": 1.0}
 
 
 def test_other_bands_are_refused(asked):

@@ -10,14 +10,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.device.colorimetry import colour_difference, lab, tristimulus
-from symrt.feedback.limits import white_in_every_band
+from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.weighing import check_most
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
-from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 
 __all__ = ["Appearance", "appearance"]
@@ -51,9 +50,7 @@ class Appearance:
 
     def seen(self, palette: Palette, pixels: Pixels) -> Reflectances:
         """Reflectances of some pixels."""
-        system = self.system
-        part = LinearSystem(system.G[pixels], system.interactions, 1, pixels.size, system.white, system.models)
-        return shade(part, palette).values[0] / self.white
+        return reflectances(self.system, palette, self.white, pixels)
 
     def inside(self, palette: Palette) -> float:
         """Share of the pixels judged that are inside."""
