@@ -163,6 +163,8 @@ def test_a_monitor_has_no_envelope_and_is_asked_itself():
         ({"most_difference": -1.0}, "most_difference"),
         ({"within": (3.0, 1.0)}, "within"),
         ({"scales": [Scale("bras")]}, "did you mean"),
+        # Refused at once, and not only when scales are fitted: this image would be accepted as it is.
+        ({"scales": [Scale("brass"), Scale("brass.mirror")], "least_inside": 0.0}, "give each spectrum one scale"),
     ],
 )
 def test_bad_questions_are_answered_in_one_line(change, message):

@@ -18,8 +18,8 @@ from tqdm.auto import tqdm
 from symrt.feedback.joint.acceptance import Goal
 from symrt.feedback.joint.adapted import Adapted, Criteria, Step
 from symrt.feedback.joint.appearance import Appearance, appearance
-from symrt.feedback.joint.fits import fit
-from symrt.feedback.parameters import Exposure, Scale, moved, scaled_symbols
+from symrt.feedback.joint.fits import fit, symbols_of
+from symrt.feedback.parameters import Exposure, Scale, moved
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible, Fit
@@ -111,8 +111,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     check_share(least_lightness or 0.0, "least_lightness")
     if most_difference is not None and not most_difference >= 0:
         raise ValueError(f"most_difference = {most_difference}: it is a mean CIEDE2000, 0 or more; or None")
-    for scale in scales:
-        scaled_symbols(system, palette, scale)
+    symbols_of(system, palette, scales)
     criteria = Criteria(float(least_inside), most_difference, least_lightness)
     checked = checked_range(scales[0] if scales else Scale("-"), within)
     image = appearance(system, palette, gamut, reference or Reference(), most=most)

@@ -7,6 +7,7 @@ Filling does not: see `symrt.feedback.joint.filling`.  The image that comes out 
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ from tqdm.auto import tqdm
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
-from symrt.feedback.joint.acceptance import OBJECTIVES, Goal, answered
+from symrt.feedback.joint.acceptance import OBJECTIVES, Answer, Goal, answered
 from symrt.feedback.joint.filling import Filled, Task, first_limits
 from symrt.feedback.joint.objectives import Regions
 from symrt.feedback.limits import Bound, Limits, rising_limits
@@ -31,7 +32,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["certify", "fit", "task_of", "with_black"]
+__all__ = ["certify", "fit", "outside_at_rest", "symbols_of", "task_of", "with_black"]
 
 Pixels = Int[np.ndarray, " _"]
 
@@ -125,13 +126,11 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
-    objects = np.flatnonzero(system.object_pixels)
-    untouched = objects[~whole.touched[objects]]
-    outside = untouched[~inside_at(whole.seen(task.asked.upper.matrix, untouched), task.asked.upper, 0.0)]
-    most = int(allowed_out * len(objects) + 1e-9)
+    outside = outside_at_rest(task, whole)
+    most = int(allowed_out * int(system.object_pixels.sum()) + 1e-9)
     budget = max(0, most - len(outside) - len(first_limits(task)[1])) if most else 0
     with tqdm(desc="fit", unit="step", delay=1, leave=False, disable=not progress) as bar:
-        found, kept, acceptable = answered(
+        answer = answered(
             replace(task, tick=bar.update),
             objective,
             allowed_dark=allowed_dark,
@@ -139,7 +138,22 @@ def fit(  # noqa: PLR0913  # a public verb names its options
             least_luminance=least_luminance,
             budget=budget,
         )
-    fitted = task.painted(found.values)
+    return replace(
+        _checked(task, whole, answer, outside, most), objective=objective, seconds=time.perf_counter() - start
+    )
+
+
+def outside_at_rest(task: Task, whole: Along) -> Pixels:
+    """The object pixels that no scale moves, and that are outside."""
+    objects, bound = np.flatnonzero(task.system.object_pixels), task.asked.upper
+    untouched = objects[~whole.touched[objects]]
+    return untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
+
+
+def _checked(task: Task, whole: Along, answer: Answer, outside: Pixels, most: int) -> Fit:
+    """An answer, certified once more pixel by pixel, of which no more than so many may be outside."""
+    found, system = answer.found, task.system
+    objects, fitted = np.flatnonzero(system.object_pixels), task.painted(found.values)
     final = along_ends(system, fitted, {})
     left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside, assume_unique=True))
     out = len(outside) + len(found.unfixable) + len(left_out)
@@ -147,9 +161,9 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         palette=fitted,
         values=found.values,
         reasons=found.reasons,
-        objective=objective,
+        objective="",
         within=task.within,
-        verdict=_verdict(out > most, acceptable),
+        verdict=_verdict(out > most, answer.acceptable),
         untouched_outside=outside,
         unfixable=found.unfixable,
         left_out=left_out,
@@ -157,12 +171,12 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         objects=len(objects),
         above_one=above_one(fitted),
         optimum=found.optimum,
-        luminance=kept,
+        luminance=answer.luminance,
         rounds=found.rounds,
         rows=found.rows,
         note=task.asked.note,
         width=system.width,
-        seconds=time.perf_counter() - start,
+        seconds=0.0,
     )
 
 
@@ -208,14 +222,8 @@ def task_of(
     system: LinearSystem, palette: Palette, asked: Limits, scales: Sequence[Scale], within: Range, cap: bool
 ) -> Task:
     """What is asked of several scales; no two of them may multiply the same spectrum."""
-    symbols = {scale.name: frozenset(moved_ends(system, palette, scale)) for scale in scales}
+    symbols = symbols_of(system, palette, scales)
     names = sorted(symbols)
-    for i, one in enumerate(names):
-        for other in names[i + 1 :]:
-            if both := symbols[one] & symbols[other]:
-                raise ValueError(
-                    f"scales of {one} and of {other} both multiply {min(both)}: give each spectrum one scale"
-                )
     if not names:
         raise ValueError("no scales to fit: give for example [Scale('sea'), Scale('brass')]")
     task = Task(system, palette, asked, {n: symbols[n] for n in names}, checked_range(Scale(names[0]), within), cap)
@@ -226,6 +234,30 @@ def task_of(
             "begin lower, or let them with cap=False"
         )
     return task
+
+
+def symbols_of(system: LinearSystem, palette: Palette, scales: Sequence[Scale]) -> dict[str, frozenset[str]]:
+    """The spectra that each scale multiplies.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing of that name, or two scales multiply the same spectrum.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.spectra.bands import RGB
+    >>> palette = Palette(RGB, {"sun": 1, "sea.diffuse": 0.2, "sea.mirror": 0.1})
+    >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 1.0})
+    >>> {name: sorted(symbols) for name, symbols in symbols_of(system, palette, [Scale("sea"), Scale("sun")]).items()}
+    {'sea': ['sea.diffuse', 'sea.mirror'], 'sun': ['sun']}
+    """
+    symbols = {scale.name: frozenset(moved_ends(system, palette, scale)) for scale in scales}
+    for one, other in combinations(sorted(symbols), 2):
+        if both := symbols[one] & symbols[other]:
+            raise ValueError(f"scales of {one} and of {other} both multiply {min(both)}: give each spectrum one scale")
+    return symbols
 
 
 def certify(final: Along, whole: Along, bound: Bound, pixels: Pixels) -> None:

@@ -17,12 +17,11 @@ from tqdm.auto import tqdm
 
 from symrt.feedback.along import along_ends
 from symrt.feedback.caps import above_one
-from symrt.feedback.intervals import inside_at
 from symrt.feedback.joint.boxes import Box, SafeBox
 from symrt.feedback.joint.constraints import Joint, counted_pixels, joint
 from symrt.feedback.joint.convex import Objective, Planes
 from symrt.feedback.joint.filling import Task, lightest
-from symrt.feedback.joint.fits import certify, task_of, with_black
+from symrt.feedback.joint.fits import certify, outside_at_rest, task_of, with_black
 from symrt.feedback.joint.outermost import outermost
 from symrt.feedback.joint.posynomials import sliders
 from symrt.feedback.joint.programmes import Programme, Solved, solved
@@ -206,8 +205,7 @@ def _answer(
     """Both corners, certified once more pixel by pixel, and what else there is to say about them."""
     whole, bound = task.line({}, frozenset(task.symbols)), task.asked.upper
     objects = np.flatnonzero(task.system.object_pixels)
-    untouched = objects[~whole.touched[objects]]
-    outside = untouched[~inside_at(whole.seen(bound.matrix, untouched), bound, 0.0)]
+    outside = outside_at_rest(task, whole)
     excluded = np.concatenate([outside, found.unfixable])
     light, dark = (along_ends(task.system, task.painted(corner), {}) for corner in (top, bottom))
     certify(light, whole, bound, np.setdiff1d(objects, excluded, assume_unique=True))

@@ -6,6 +6,7 @@ pairs.  Many such lines show the region.
 
 import time
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -94,38 +95,25 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     (True, False, 0.776)
     """
     start = time.perf_counter()
-    if one == other:
-        raise ValueError(f"the {one} is named twice: a region needs two parameters")
-    for parameter in (one, other):
-        if mixing_of(parameter) != "linear":
-            raise ValueError(f"the {parameter}: a region takes scales, linear blends and the exposure; ask feasible")
-    if steps < 2:
-        raise ValueError(f"steps = {steps}: a region needs two lines at least")
     check_share(allowed_out, "allowed_out")
-    ranges = checked_range(one, within[0]), checked_range(other, within[1])
-    if any(low == high for low, high in ranges):
-        raise ValueError(f"within = {within}: a region needs room in both ranges, low below high")
+    ranges = _checked(one, other, within, steps)
     asked = limits(system, palette, gamut, reference)
     line = along(system, palette, one)
     counted = drawn(line, asked, weighed(system, None, mask), given_value(one), most, extremes=not allowed_out)
     plane = Plane(system, palette, asked, one, other, ranges, cap, counted.pixels)
-
-    def alone(parameter: Parameter, asked: Range) -> Feasible:
-        return feasible(
-            system,
-            palette,
-            gamut,
-            parameter,
-            within=asked,
-            allowed_out=allowed_out,
-            mask=mask,
-            reference=reference,
-            cap=cap,
-            most=most,
-            progress=progress,
-        )
-
-    separate = alone(one, ranges[0]), alone(other, ranges[1])
+    alone = partial(
+        feasible,
+        system,
+        palette,
+        gamut,
+        allowed_out=allowed_out,
+        mask=mask,
+        reference=reference,
+        cap=cap,
+        most=most,
+        progress=progress,
+    )
+    separate = alone(one, within=ranges[0]), alone(other, within=ranges[1])
     box = None if allowed_out or mask is not None else _box(plane, gamut, reference)
     seen = image(plane)
     values = _values(plane, steps, separate[0], box, seen)
@@ -155,6 +143,23 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
         seconds=0.0,
     )
     return replace(found, separate_inside=_share_of_separate(found), seconds=time.perf_counter() - start)
+
+
+def _checked(
+    one: Parameter, other: Parameter, within: tuple[Range | None, Range | None], steps: int
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The ranges of two parameters that span a plane."""
+    if one == other:
+        raise ValueError(f"the {one} is named twice: a region needs two parameters")
+    for parameter in (one, other):
+        if mixing_of(parameter) != "linear":
+            raise ValueError(f"the {parameter}: a region takes scales, linear blends and the exposure; ask feasible")
+    if steps < 2:
+        raise ValueError(f"steps = {steps}: a region needs two lines at least")
+    ranges = checked_range(one, within[0]), checked_range(other, within[1])
+    if any(low == high for low, high in ranges):
+        raise ValueError(f"within = {within}: a region needs room in both ranges, low below high")
+    return ranges
 
 
 def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen: Image) -> Float[np.ndarray, " line"]:
