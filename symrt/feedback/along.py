@@ -74,14 +74,15 @@ class Along:
         taken = self._rows(rows)
         return np.stack([taken[id(G)] @ spectra for G, spectra in self.parts])
 
-    def size(self, t: Number, rows: slice) -> Sizes:
+    def size(self, t: Number | Float[np.ndarray, " row"], rows: slice) -> Sizes:
         """The largest sum of magnitudes in each of some pixels, at any value up to t; one 0 where nothing cancels."""
         if not self.signed:
             return np.zeros((1, 1))
         sizes = np.stack([G[rows] @ spectra for G, spectra in self.sizes])
         if self.form == "bernstein":
             return sizes.max(axis=(0, 2), initial=0)[:, None]
-        return np.tensordot(float(t) ** np.arange(len(sizes)), sizes, axes=1).max(axis=1, initial=0)[:, None]
+        powers = np.reshape(t, (1, -1, 1)).astype(float) ** np.arange(len(sizes))[:, None, None]
+        return (powers * sizes).sum(axis=0).max(axis=1, initial=0)[:, None]
 
     def at(self, t: Number, rows: slice = slice(None)) -> Float[np.ndarray, "pixel band"]:
         """The pixels at one value of the parameter."""

@@ -26,6 +26,8 @@ TILE = 2048
 NARROW = 32
 """Slabs; of fewer, more pixels fit."""
 
+LONG = 100
+"""Ranges that end beyond are looked at pixel by pixel for what rounding can amount to."""
 FAR = 1 - 1e-9
 """A pixel below this share of its bounds is inside whatever its rounding, as nobody adds a million numbers."""
 
@@ -99,7 +101,7 @@ def _parted(line: Along, bound: Bound, top: Number) -> tuple[Rows, Rows]:
 
 def _tile(line: Along, rows: slice, bound: Bound, within: Range, inward: int) -> Spans:
     c, curved, rounding = line.coefficients(rows), line.degrees[rows] > 1, line.terms * ROUNDING
-    size = np.broadcast_to(line.size(max(1.0, within[1]), rows), (len(curved), 1))
+    size = np.broadcast_to(line.size(_reached(line, c, bound, within[1]), rows), (len(curved), 1))
     # In Bernstein's form differences are rounded, too.
     differences = np.abs(c).max(axis=(0, 2), initial=0)[:, None] / line.terms if line.form == "bernstein" else 0.0
     parts = []
@@ -112,6 +114,13 @@ def _tile(line: Along, rows: slice, bound: Bound, within: Range, inward: int) ->
         found = _group(curved[group], line, part, moved, within)
         parts.append(found._replace(pixel=group[found.pixel]))
     return _ordered(parts)
+
+
+def _reached(line: Along, c: Powers, bound: Bound, top: Number) -> float | Float[np.ndarray, " pixel"]:
+    """The largest t that rounding may be asked about: the end of the range, or of each pixel's line if that is far."""
+    if not line.signed or line.form != "power" or line.degree != 1 or top <= LONG:
+        return max(1.0, float(top))
+    return np.clip(clip_slabs(bound.lower, bound.upper, c[0], c[1]).high, 1.0, float(top))
 
 
 def _group(

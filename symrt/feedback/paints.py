@@ -97,7 +97,7 @@ class Paints:
         """Some of the pixels, each at a value of its own."""
         return _image(self, rows, t, t)[0]
 
-    def size(self, t: Number, rows: slice) -> Sizes:  # noqa: ARG002  # as polynomials are asked
+    def size(self, t: Number | Values, rows: slice) -> Sizes:  # noqa: ARG002  # as polynomials are asked
         """The largest sum of magnitudes in each of some pixels, at any t; one 0 where nothing cancels."""
         if not self.signed:
             return np.zeros((1, 1))

@@ -1,4 +1,4 @@
-"""Fits and boxes where one unit of a scale is a million million times too bright."""
+"""Ranges, fits and boxes where one unit of a scale is a million million times too bright, or too little."""
 
 from functools import cache
 
@@ -8,7 +8,7 @@ from feedback.synthetic import BANDS
 from scipy import sparse
 
 from symrt.device import load_device
-from symrt.feedback import Scale, fit, safe_box
+from symrt.feedback import Exposure, Scale, feasible, fit, safe_box
 from symrt.gamut import device_gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -36,6 +36,17 @@ def test_scales_reach_their_pixels_white_however_small_they_must_be(objective, s
     expected = {"ice": 4 / size / exposure, "sea": 2 / size / exposure}
     assert found.values == pytest.approx(expected, rel=1e-6)
     assert found.verdict == "complete"
+
+
+@pytest.mark.parametrize("top", [1e8, 1e14])
+@pytest.mark.parametrize("device", ["crt-brainard", "dye3-endura-premier"])
+def test_a_range_may_be_long_where_colours_are_weighed(device, top):
+    """What rounding amounts to at the far end of the range is not asked for where a pixel ends."""
+    gamut = device_gamut(load_device(device, BANDS), "monitor" if device == "crt-brainard" else "colorimetric")
+    question = image(0.5), COLOURS, gamut, Exposure()
+    short, long = (feasible(*question, within=(0.5, end), progress=False) for end in (90.0, top))
+    assert 0.5 < short.high < 90.0
+    assert long.high == pytest.approx(short.high, rel=1e-12)
 
 
 @pytest.mark.parametrize("black", ["clip", "strict"])

@@ -181,3 +181,18 @@ def test_an_end_that_was_found_is_found_again(degree):
     found = highest(q, upper, 3.0)
     again = [highest(q[:, [k]], upper, t)[0] for k, t in enumerate(found) if t > 0]
     np.testing.assert_array_equal(again, found[found > 0])
+
+
+@pytest.mark.parametrize("root", [0.5, 1 / 3])
+@pytest.mark.parametrize("times", [2, 4, 6])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_bound_that_is_only_touched_costs_its_neighbourhood_and_no_more(root, times, side):
+    """(t − root)^times stays within 0.25 of its bound; nothing that is farther from it than rounding is lost."""
+    # In Bernstein form (t − root)^m has the coefficients (−root)^(m−k) (1 − root)^k.
+    b = np.array([(-root) ** (times - k) * (1 - root) ** k for k in range(times + 1)])[:, None, None]
+    lower, upper = (0.0, 2.0) if side > 0 else (-2.0, 0.0)
+    found = spans_inside(side * b, np.array([lower]), np.array([upper]), (0.0, 1.0))
+    assert len(found.low) == 2
+    assert (found.low[0], found.high[1]) == (0.0, 1.0)
+    assert found.high[0] < root < found.low[1]
+    assert max(root - found.high[0], found.low[1] - root) < 2 * (1e-12) ** (1 / times)
