@@ -11,6 +11,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 from jaxtyping import Float
+from tqdm.auto import tqdm
 
 from symrt.arrays import Spectrum
 from symrt.feedback.parameters import Scale
@@ -24,6 +25,9 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 
 __all__ = ["Segment", "Segments", "blend_segments", "diffuse_materials", "scale_segments", "segments_of"]
+
+CHUNK = 8
+"""Segments that are looked along at a time."""
 
 Span = tuple[Number, Number]
 Stop = tuple[str | None, str | None]
@@ -104,6 +108,7 @@ def segments_of(
     light: str | None = None,
     within: Span = (0.01, 3.0),
     exposure: Number = 1.0,
+    progress: bool = True,
 ) -> Segments:
     """The segments of all materials in front of a reference light, and of all blends of two of them.
 
@@ -117,6 +122,8 @@ def segments_of(
         One of the palette's, the first that shines if not given, or ``"equal-energy"`` or an illuminant.
     within
         The scales looked at.
+    progress
+        Whether a bar shows how far it is, if it takes more than a second, as with what inks print.
 
     Raises
     ------
@@ -143,8 +150,8 @@ def segments_of(
         gamut,
         seen.light or next(iter(shining)),
         seen.exposure,
-        scale_segments(gamut, palette, names, white, within, seen.exposure),
-        blend_segments(gamut, palette, names, white, seen.exposure),
+        scale_segments(gamut, palette, names, white, within, seen.exposure, progress),
+        blend_segments(gamut, palette, names, white, seen.exposure, progress),
     )
 
 
@@ -167,6 +174,7 @@ def scale_segments(
     white: Spectrum,
     within: Span = (0.01, 3.0),
     exposure: Number = 1.0,
+    progress: bool = True,
 ) -> tuple[Segment, ...]:
     """The segment ``t r`` of each material's diffuse reflectance.
 
@@ -189,7 +197,7 @@ def scale_segments(
     """
     spectra = exposure * _diffuse(palette, materials)
     colours = _colours(spectra, palette, white)
-    parts = _parts(gamut.under(white), np.zeros_like(spectra), spectra, within)
+    parts = _parts(gamut.under(white), np.zeros_like(spectra), spectra, within, progress)
     return tuple(
         Segment((name,), np.zeros_like(r), r, within, *part, np.array([colour, colour]))
         for name, r, part, colour in zip(materials, spectra, parts, colours, strict=True)
@@ -202,6 +210,7 @@ def blend_segments(
     materials: Sequence[str],
     white: Spectrum,
     exposure: Number = 1.0,
+    progress: bool = True,
 ) -> tuple[Segment, ...]:
     """The segment from each material to each other one, t from 0 to 1.
 
@@ -221,7 +230,7 @@ def blend_segments(
         return ()
     first, second = (list(index) for index in zip(*pairs, strict=True))
     origin, direction = spectra[first], spectra[second] - spectra[first]
-    parts = _parts(gamut.under(white), origin, direction, (0.0, 1.0))
+    parts = _parts(gamut.under(white), origin, direction, (0.0, 1.0), progress)
     return tuple(
         Segment((materials[a], materials[b]), o, d, (0.0, 1.0), *part, colours[[a, b]])
         for (a, b), o, d, part in zip(pairs, origin, direction, parts, strict=True)
@@ -234,11 +243,15 @@ def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "m
 
 
 def _parts(
-    gamut: ConvexGamut | UnevenGamut, origin: Spectra, direction: Spectra, within: Span
+    gamut: ConvexGamut | UnevenGamut, origin: Spectra, direction: Spectra, within: Span, progress: bool
 ) -> list[tuple[tuple[Span, ...], tuple[Stop, ...]]]:
     """Of each line the intervals inside, and what ends them."""
     if isinstance(gamut, UnevenGamut):
-        return [(tuple(line), ((None, None),) * len(line)) for line in gamut.clip(origin, direction, within)]
+        starts = tqdm(
+            range(0, len(origin), CHUNK), desc="segments", unit="chunk", delay=1, leave=False, disable=not progress
+        )
+        parts = [gamut.clip(origin[k : k + CHUNK], direction[k : k + CHUNK], within) for k in starts]
+        return [(tuple(line), ((None, None),) * len(line)) for part in parts for line in part]
     interval = clip(gamut, origin, direction)
     low, high = np.maximum(interval.low, within[0]), np.minimum(interval.high, within[1])
     below, above = (_stopped(gamut, origin, direction, ends) for ends in (interval.low, interval.high))
