@@ -66,7 +66,9 @@ def body_of(gamut: AnyGamut | AnyIntersection | SlabGamut, components: Component
     elif isinstance(gamut, HullGamut | InkGamut):
         vectors = device_gamut(gamut.device, "envelope").shadow(components).vectors
         solid = _mixtures(gamut, vectors, components)
-        return Body(vectors, solid, f"{MIXTURES} (being within {gamut.tolerance:g} RMS of one is being inside)")
+        near = f"(being within {gamut.tolerance:g} RMS of one is being inside)"
+        mixed = "(not all of them can be printed)"
+        return Body(vectors, solid, f"{MIXTURES} {near if isinstance(gamut, HullGamut) else mixed}")
     elif isinstance(gamut, ColorimetricGamut):
         shadow, what = device_gamut(gamut.device, "envelope").shadow(components), "its device's envelope"
     elif isinstance(gamut, SlabIntersection) and all(isinstance(part, Gamut) for part in gamut.parts):
