@@ -3,7 +3,7 @@
 import html
 from collections.abc import Iterable, Sequence
 
-__all__ = ["html_table", "text_table"]
+__all__ = ["html_table", "percent", "text_table"]
 
 Row = Sequence[str]
 
@@ -34,3 +34,16 @@ def html_table(head: Row, rows: Iterable[Row]) -> str:
     """
     cells = [f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows]
     return f"<table><tr>{''.join(f'<th>{html.escape(cell)}</th>' for cell in head)}</tr>{''.join(cells)}</table>"
+
+
+def percent(share: float) -> str:
+    """A share that looks like all, or none, only if it is.
+
+    Examples
+    --------
+    >>> percent(0.1234), percent(0.99999), percent(0.0001)
+    ('12.3%', '> 99.9%', '< 0.1%')
+    """
+    if 0 < share < 0.001:
+        return "< 0.1%"
+    return "> 99.9%" if 0.999 < share < 1 else f"{share:.1%}"

@@ -12,9 +12,11 @@ from symrt.feedback.parameters import Blend, Parameter
 from symrt.feedback.sensitivity import Sensitivity, sentence
 from symrt.feedback.shares import Curve
 from symrt.spectra.palette import Palette
+from symrt.table import html_table, text_table
 
 __all__ = ["Feasible", "Fit", "Reason", "Side"]
 
+HEAD = ("scale of", "factor", "stopped where")
 Side = Literal["upper", "lower", "luminance", "range", "cap", "objective"]
 
 
@@ -235,17 +237,19 @@ class Fit:
         """Share of the object pixels that are outside."""
         return (len(self.untouched_outside) + len(self.unfixable) + len(self.left_out)) / max(1, self.objects)
 
+    @property
+    def table(self) -> list[tuple[str, ...]]:
+        """The scales as rows of text: name, factor, and what stopped it there."""
+        return [(name, f"{value:.4g}", str(self.reasons[name])) for name, value in self.values.items()]
+
     def __repr__(self) -> str:
-        lines = [f"{name} × {value:.4g}, where {self.reasons[name]}." for name, value in self.values.items()]
-        return "\n".join([self._answer(), *lines, *self._exceptions(), f"Against {self.note}."])
+        table = text_table(HEAD, self.table)
+        return "\n".join([self._answer(), table, *self._exceptions(), f"Against {self.note}."])
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{html.escape(name)}</td><td>× {value:.4g}</td><td>{self.reasons[name]}</td></tr>"
-            for name, value in self.values.items()
-        )
         rest = "".join(f"<p>{html.escape(line)}</p>" for line in self._exceptions())
-        return f"<p>{self._answer()}</p><table>{rows}</table>{rest}<p><small>{html.escape(self.note)}</small></p>"
+        note = f"<p><small>{html.escape(self.note)}</small></p>"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.table)}{rest}{note}"
 
     def _answer(self) -> str:
         low, high = self.within

@@ -23,6 +23,7 @@ from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, whites
 from symrt.system import LinearSystem
+from symrt.table import html_table, percent, text_table
 
 __all__ = ["Report", "Verdict", "report"]
 
@@ -89,7 +90,7 @@ class Report:
         return [
             (
                 v.gamut,
-                _percent(v.inside),
+                percent(v.inside),
                 "-" if v.worst is None else f"({v.worst[0]}, {v.worst[1]})",
                 "-" if v.worst is None else f"{v.violation:.3g}",
                 v.band or "-",
@@ -98,26 +99,32 @@ class Report:
             for v in self.verdicts
         ]
 
+    @property
+    def materials(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """For each gamut the share inside of each material's pixels: a head and rows of text."""
+        names = sorted({name for v in self.verdicts for name in v.materials})
+        rows = [
+            (v.gamut, *(percent(v.materials[n]) if n in v.materials else "-" for n in names)) for v in self.verdicts
+        ]
+        return ("inside, of the pixels that these are seen in", *names), rows
+
     def __repr__(self) -> str:
-        widths = [max(map(len, column)) for column in zip(HEAD, *self.rows, strict=True)]
-        table = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in (HEAD, *self.rows)]
-        return "\n".join([*table, *self._sentences()])
+        return "\n".join([text_table(HEAD, self.rows), "", text_table(*self.materials), "", *self._sentences()])
 
     def _sentences(self) -> list[str]:
         drawn = "" if self.asked == self.objects else ", drawn evenly"
         lines = [f"Asked: {self.asked} of {self.objects} object pixels{drawn}; {self.note}."]
         for v in self.verdicts:
             lines += [
-                f"{monitor}, against {v.gamut}: it shows {_percent(shown)} of the pixels, which are outside; "
-                f"it cannot show {_percent(kept)}, which are inside."
+                f"{monitor}, against {v.gamut}: it shows {percent(shown)} of the pixels, which are outside; "
+                f"it cannot show {percent(kept)}, which are inside."
                 for monitor, (shown, kept) in v.contented.items()
             ]
         return lines
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{cell}</th>" for cell in HEAD)
-        rows = "".join(f"<tr>{''.join(f'<td>{html.escape(c)}</td>' for c in row)}</tr>" for row in self.rows)
-        return f"<table><tr>{head}</tr>{rows}</table>" + "".join(f"<p>{html.escape(s)}</p>" for s in self._sentences())
+        tables = html_table(HEAD, self.rows) + html_table(*self.materials)
+        return tables + "".join(f"<p>{html.escape(line)}</p>" for line in self._sentences())
 
 
 def report(
@@ -234,10 +241,3 @@ def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndar
 def _share(pixels: Bool[np.ndarray, " pixel"]) -> float:
     """The share of the pixels asked about; of none it is 0."""
     return float(pixels.mean()) if pixels.size else 0.0
-
-
-def _percent(share: float) -> str:
-    """A share that looks like all, or none, only if it is."""
-    if 0 < share < 0.001:
-        return "< 0.1%"
-    return "> 99.9%" if 0.999 < share < 1 else f"{share:.1%}"

@@ -260,7 +260,7 @@ def test_bad_questions_are_answered_in_one_line(change, message):
 def test_the_answer_reads_like_a_sentence():
     text = repr(fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, cap=False))
     assert text.startswith("The lightest image inside with scales in 0.01 … 3 (complete).")
-    assert "brass × " in text
+    assert f"brass     {found.values['brass']:.4g}  {found.reasons['brass']}\n" in text
     assert "modelled" in text
     assert "<table>" in fit(MIRRORED, COLOURS, ENVELOPE, MATERIALS, cap=False)._repr_html_()
 

@@ -10,6 +10,7 @@ from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
+from symrt.table import html_table, percent, text_table
 
 __all__ = ["Adapted", "Criteria", "Step"]
 
@@ -159,7 +160,7 @@ class Adapted:
         return [
             (
                 step.means + (f", {step.left_out:.2%} left out" if step.left_out else ""),
-                _percent(step.inside),
+                percent(step.inside),
                 f"{step.difference:.2f}",
                 f"{step.lightness:.1%}",
                 ", ".join(sorted(self.criteria.lacking(step))) or "nothing",
@@ -169,16 +170,13 @@ class Adapted:
         ]
 
     def __repr__(self) -> str:
-        widths = [max(map(len, column)) for column in zip(HEAD, *self.rows, strict=True)]
-        table = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in (HEAD, *self.rows)]
-        return "\n".join([self._answer(), *table, *self._reasons(), f"Against {self.note}; {self.seconds:.2f} s."])
+        table = text_table(HEAD, self.rows)
+        return "\n".join([self._answer(), table, *self._reasons(), f"Against {self.note}; {self.seconds:.2f} s."])
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{cell}</th>" for cell in HEAD)
-        rows = "".join(f"<tr>{''.join(f'<td>{html.escape(c)}</td>' for c in row)}</tr>" for row in self.rows)
         lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._reasons())
         note = f"<p><small>Against {html.escape(self.note)}</small></p>"
-        return f"<p>{html.escape(self._answer())}</p><table><tr>{head}</tr>{rows}</table>{lines}{note}"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.rows)}{lines}{note}"
 
     def _accepted(self) -> Step:
         if self.accepted is None:
@@ -200,11 +198,4 @@ class Adapted:
 
 
 def _figure(name: str, value: float) -> str:
-    return f"{value:.2f}" if name == "difference" else _percent(value)
-
-
-def _percent(share: float) -> str:
-    """A share that looks like all, or none, only if it is."""
-    if 0 < share < 0.001:
-        return "< 0.1%"
-    return "> 99.9%" if 0.999 < share < 1 else f"{share:.1%}"
+    return f"{value:.2f}" if name == "difference" else percent(value)

@@ -10,9 +10,11 @@ from jaxtyping import Int
 
 from symrt.feedback.joint.programmes import Optimum
 from symrt.feedback.reasons import Reason, exceptions
+from symrt.table import html_table, text_table
 
 __all__ = ["Box", "SafeBox"]
 
+HEAD = ("scale of", "from", "to", "stopped below where", "stopped above where")
 Pixels = Int[np.ndarray, " _"]
 Box = Mapping[str, tuple[float, float]]
 
@@ -71,31 +73,25 @@ class SafeBox:
         """Whether every scale named is between its ends."""
         return all(self.box[name][0] <= value <= self.box[name][1] for name, value in values.items())
 
+    @property
+    def table(self) -> list[tuple[str, ...]]:
+        """The sides as rows of text: name, ends, and what stops the scale at either."""
+        return [
+            (name, f"{low:.4g}", f"{high:.4g}", *map(str, self.reasons[name])) for name, (low, high) in self.box.items()
+        ]
+
     def __repr__(self) -> str:
-        return "\n".join([self._answer(), *self._sides(), *self._notes(), f"Against {self.note}."])
+        return "\n".join([self._answer(), text_table(HEAD, self.table), *self._notes(), f"Against {self.note}."])
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{html.escape(name)}</td><td>{low:.4g} … {high:.4g}</td><td>{self.reasons[name][0]}</td>"
-            f"<td>{self.reasons[name][1]}</td></tr>"
-            for name, (low, high) in self.box.items()
-        )
-        head = "<tr><th>scale of</th><th>may be</th><th>below</th><th>above</th></tr>"
         notes = "".join(f"<p>{html.escape(line)}</p>" for line in self._notes())
-        return (
-            f"<p>{self._answer()}</p><table>{head}{rows}</table>{notes}<p><small>{html.escape(self.note)}</small></p>"
-        )
+        note = f"<p><small>{html.escape(self.note)}</small></p>"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.table)}{notes}{note}"
 
     def _answer(self) -> str:
         whom = "the image" if self.verdict == "complete" else "the rest of the image"
         best = "none is larger" if self.optimum == "global" else "none nearby is larger"
         return f"All scales may move freely in this box and keep {whom} inside ({self.verdict}; {best})."
-
-    def _sides(self) -> list[str]:
-        return [
-            f"{name} {low:.4g} … {high:.4g}: below {self.reasons[name][0]}; above {self.reasons[name][1]}."
-            for name, (low, high) in self.box.items()
-        ]
 
     def _notes(self) -> list[str]:
         lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
