@@ -26,7 +26,7 @@ from symrt.spectra.reference import Reference, whites
 from symrt.spectra.shading import shade, tail_bound
 from symrt.system import LinearSystem
 
-__all__ = ["Bound", "Limits", "limits", "reflectances", "rising_limits", "white_in_every_band"]
+__all__ = ["Bound", "Limits", "described", "limits", "reflectances", "rising_limits", "white_in_every_band"]
 
 Pixels = Int[np.ndarray, " pixel"]
 INVISIBLE = 1e-6
@@ -75,11 +75,24 @@ class Limits:
     @property
     def note(self) -> str:
         """Gamut, reference, exposure, and what is modelled or left out, in words."""
-        modelled = "".join(f"; {device.title}" for device in self.gamut.devices if device.modelled)
         labels = [label for label, hidden in zip(self.bands.labels, self.masked, strict=True) if hidden]
         masked = f"; not lit and left out: {', '.join(labels)}" if labels else ""
         cut = f"; the depth limit left out at most {self.cut_off:.2g} of a pixel" if self.cut_off else ""
-        return f"{self.gamut.name} ({self.gamut.label}{modelled}); {self.reference}{masked}{cut}"
+        return f"{described(self.gamut)}; {self.reference}{masked}{cut}"
+
+
+def described(gamut: ConvexGamut | UnevenGamut) -> str:
+    """A gamut in words, with what being inside proves, and which of its devices are modelled.
+
+    Examples
+    --------
+    >>> from symrt.device.inks import load_device
+    >>> from symrt.gamut.slabs import device_gamut
+    >>> described(device_gamut(load_device("synthetic-cmyk")))
+    'unit gamut (0 … 1), black clipped (necessary for a print of any printer; a synthetic halftone printer of 4 inks)'
+    """
+    modelled = "".join(f"; {device.title}" for device in gamut.devices if device.modelled)
+    return f"{gamut.name} ({gamut.label}{modelled})"
 
 
 def limits(

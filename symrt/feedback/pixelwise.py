@@ -15,7 +15,7 @@ from scipy.ndimage import gaussian_filter, minimum_filter
 from tqdm.auto import tqdm
 
 from symrt.arrays import Spectrum
-from symrt.feedback.limits import white_in_every_band
+from symrt.feedback.limits import described, white_in_every_band
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, clip
 from symrt.gamut.intersections import UnevenGamut
@@ -139,7 +139,7 @@ def map_pixels(
         image=replace(image, values=values.reshape(image.values.shape)),
         share=float(np.mean(changed)) if changed.size else 0.0,
         moved=change.reshape(system.height, system.width),
-        note=f"{gamut.name}, towards {towards}, smoothness {smoothness:g}",
+        note=f"towards {towards}, smoothness {smoothness:g}, in {described(gamut)}",
         seconds=time.perf_counter() - start,
     )
 

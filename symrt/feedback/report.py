@@ -76,7 +76,7 @@ class Report:
     asked, objects
         How many pixels were asked about, of how many that light reaches.
     note
-        The reference and the exposure that made reflectances of radiances.
+        The reference and the exposure that made reflectances of radiances, and which devices are modelled.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -174,6 +174,8 @@ def report(
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
     verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)
     note = f"reference {reference.light or next(iter(whites(system, palette)))}, exposure {reference.exposure:g}"
+    if titles := dict.fromkeys(d.title for gamut in gamuts for d in gamut.devices if d.modelled):
+        note += f"; modelled: {', '.join(titles)}"
     return Report(verdicts, pixels.size, objects.size, note)
 
 

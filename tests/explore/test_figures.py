@@ -80,7 +80,13 @@ def figures(gamut, palette, system, ranges, region):
         "curve": plots.curve_figure(ranges[0]),
         "region": plots.joint_region_figure(region, system, plain(), rt.Reference(exposure=0.5)),
         "fit": plots.fit_figure(fitted(system, gamut), system, plain()),
+        "adapted": plots.adapted_figure(adapted(system, gamut), system, plain()),
+        "mapped": plots.mapped_figure(rt.map_pixels(system, plain(), gamut, towards="centre"), system, plain()),
     }
+
+
+def adapted(system, gamut):
+    return rt.adapt(system, plain(), gamut, [rt.Scale("red")], most_difference=0.1, map_rest=True, progress=False)
 
 
 def fitted(system, gamut):

@@ -164,8 +164,9 @@ def _draw_bars(
         axes.annotate(f"{value:.3g}", (value, row), fontsize=7.5, **at, **NAME)
     if bound is not None:
         axes.axvline(bound, color=INK, lw=0.9, ls=(0, (3, 2)))
-    axes.set(xlim=(0, 1.3 * max([*values, bound or 0.0, 1e-9])), ylim=(len(values) - 0.5, -0.5))
-    axes.xaxis.set_major_locator(MaxNLocator(2))
+    right = 1.3 * max([*values, bound or 0.0, 1e-9])
+    axes.set(xlim=(0, right), ylim=(len(values) - 0.5, -0.5))
+    axes.set_xticks([tick for tick in MaxNLocator(2).tick_values(0, right) if 0 <= tick <= 0.9 * right])
     axes.tick_params(axis="y", length=0)
     axes.tick_params(axis="x", labelsize=7.5, color=HAIR)
     axes.spines[["top", "right", "left"]].set_visible(False)

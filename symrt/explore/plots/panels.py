@@ -119,5 +119,6 @@ def picture_panel(
     axes = figure.add_axes((left / across, (tall - top - height) / tall, width / across, height / tall))
     axes.imshow(picture, interpolation="nearest", **drawn)
     axes.set_title(title, fontsize=10, color=INK, loc="left")
+    axes.set(xticks=[], yticks=[])
     axes.set_axis_off()
     return axes

@@ -19,6 +19,7 @@ from symrt.feedback.joint.acceptance import Goal
 from symrt.feedback.joint.adapted import Adapted, Criteria, Step
 from symrt.feedback.joint.appearance import Appearance, appearance
 from symrt.feedback.joint.fits import fit, symbols_of
+from symrt.feedback.limits import described
 from symrt.feedback.parameters import Exposure, Scale, moved
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
@@ -131,7 +132,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
         accepted=accepted,
         asked=len(image.pixels),
         objects=int(system.object_pixels.sum()),
-        note=f"{gamut.name} ({gamut.label})",
+        note=described(gamut),
         seconds=time.perf_counter() - start,
     )
 
