@@ -18,6 +18,7 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from symrt.device.colorimetry import colour_difference, lab, tristimulus
 from symrt.device.halftone import LARGEST_GAIN, MOST_INKS, Halftone, demichel, spread, unspread
+from symrt.device.monitors import Monitor, printer_of
 from symrt.device.printing import Device
 
 __all__ = ["HalftoneFit", "fit_halftone"]
@@ -78,7 +79,7 @@ class HalftoneFit:
         )
 
 
-def fit_halftone(device: Device, *, dot_gain: bool = True, light: str = "illuminant/D50") -> HalftoneFit:
+def fit_halftone(device: Device | Monitor, *, dot_gain: bool = True, light: str = "illuminant/D50") -> HalftoneFit:
     """The halftone printer that tells a chart's prints best.
 
     Parameters
@@ -93,7 +94,8 @@ def fit_halftone(device: Device, *, dot_gain: bool = True, light: str = "illumin
     Raises
     ------
     ValueError
-        If amounts are not known or not in [0, 1], or any model fits because the prints are no more than its primaries.
+        If it is a monitor, if amounts are not known or not in [0, 1], or if any model fits because the prints are no
+        more than its primaries.
 
     Examples
     --------
@@ -103,6 +105,7 @@ def fit_halftone(device: Device, *, dot_gain: bool = True, light: str = "illumin
     >>> round(fit.printer.exponent, 3), fit.rms < 1e-5
     (2.0, True)
     """
+    device = printer_of(device)
     _check(device)
     prior = _multiplied(device)
     gains = len(device.inks) * dot_gain

@@ -12,10 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.device.colorimetry import tristimulus
+from symrt.device.printing import Device
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.library import display_primaries
 
-__all__ = ["EQUAL_ENERGY", "Monitor", "load_monitor", "monitors"]
+__all__ = ["EQUAL_ENERGY", "Monitor", "load_monitor", "monitors", "printer_of"]
 
 DISPLAYS = {
     "crt-brainard": ("Typical CRT Brainard 1997", "a typical cathode ray tube, Brainard 1997"),
@@ -98,3 +99,19 @@ def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
         title=title,
         provenance=f"Spectra of the primaries: {table!r} of colour-science, 380 … 780 nm by 5 nm.",
     ).on(bands or wavelengths(380, 730, 10))
+
+
+def printer_of(device: Device | Monitor) -> Device:
+    """The device itself, if it prints.
+
+    Examples
+    --------
+    >>> printer_of(load_monitor("crt-brainard"))
+    Traceback (most recent call last):
+    ValueError: crt-brainard is a monitor, which has no prints: give a printer or a chart
+    """
+    if isinstance(device, Monitor):
+        raise ValueError(  # noqa: TRY004 -- to a user all of them are devices
+            f"{device.name} is a monitor, which has no prints: give a printer or a chart"
+        )
+    return device

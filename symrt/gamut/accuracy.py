@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.monitors import Monitor, printer_of
 from symrt.device.printing import Device
 from symrt.gamut.basis import Samples, uniform_first
 from symrt.spectra.bands import Number
@@ -113,7 +114,7 @@ class BasisReport:
         return f"<table>{caption}<tr>{cells}</tr>{body}</table><p>{escape(self.summary())}</p>"
 
 
-def basis_report(device: Device, light: str = "illuminant/D50") -> BasisReport:
+def basis_report(device: Device | Monitor, light: str = "illuminant/D50") -> BasisReport:
     """Errors of a device's prints against the number of basis spectra, in reflectance and in colour.
 
     Parameters
@@ -122,6 +123,11 @@ def basis_report(device: Device, light: str = "illuminant/D50") -> BasisReport:
         Printer or chart.
     light
         The illuminant under which colours differ.
+
+    Raises
+    ------
+    ValueError
+        If it is a monitor, which has no prints.
 
     Examples
     --------
@@ -133,6 +139,7 @@ def basis_report(device: Device, light: str = "illuminant/D50") -> BasisReport:
     Rank 30 after the constant spectrum; the first principal component is 0.9351 constant. No print is off by more than
     ΔE2000 = 1 under illuminant/D50 from 9 components on, plain from 9.
     """
+    device = printer_of(device)
     basis, observer = uniform_first(device.samples), tristimulus(device.bands, light)
     # The triangle has the samples' right singular vectors; signs do not matter here.
     plain = np.linalg.svd(np.linalg.qr(device.samples, mode="r"), full_matrices=True).Vh

@@ -17,6 +17,7 @@ from symrt.device.fitting import fit_halftone
 from symrt.device.halftone import Halftone, demichel, synthetic_devices
 from symrt.device.inks import load_device
 from symrt.device.printing import Device, reflectance
+from symrt.gamut.accuracy import basis_report
 from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
@@ -274,3 +275,9 @@ def test_printers_that_cannot_be_are_refused(change, message):
 def test_amounts_beyond_solid_are_refused():
     with pytest.raises(ValueError, match=r"print 1, M: the amount 1.1 is not in \[0, 1\]"):
         reflectance(printer(2), np.array([[0.0, 0.0], [0.0, 1.1]]))
+
+
+@pytest.mark.parametrize("ask", [fit_halftone, basis_report])
+def test_a_monitor_is_no_printer(ask):
+    with pytest.raises(ValueError, match="has no prints: give a printer or a chart"):
+        ask(load_device("crt-brainard"))
