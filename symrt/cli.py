@@ -23,7 +23,7 @@ app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_mar
 # Whatever class the installed typer derives its usage errors from: click's own, or a copy of it.
 USAGE_ERROR: Any = next(kind for kind in reversed(typer.BadParameter.__mro__) if hasattr(kind, "format_message"))
 BAD_INPUT, INTERRUPTED = 2, 130
-LONGEST = 300
+LONGEST = 600
 """Letters of a fault's line; what was given may be longer."""
 COMMANDS = (plan, probe, render, formula, shade, gamut, feasible, report, fit, adapt, map_pixels, demo)
 """In the order in which the help lists them."""
@@ -48,7 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except USAGE_ERROR as error:
         return _refused(error.format_message())
     except OSError as error:
-        return _refused(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        named = str(error.filename).removesuffix(".partial")  # files are written beside their place first
+        return _refused(f"{named}: {error.strerror}" if error.filename else str(error))
     except (ValueError, MemoryError) as error:
         return _refused(str(error))
 

@@ -1,13 +1,13 @@
-"""What is wrong with a file, in one line for each fault: the file, the key, the rule and the remedy.
+"""What is wrong with what was given, in one line for each fault: the file, the key, the rule and the remedy.
 
-Both sides of the waist read files, so this stands at the bottom of the house.
+Both sides of the waist are given files and arguments, so this stands at the bottom of the house.
 """
 
 import difflib
 import re
 from collections.abc import Iterable
 
-__all__ = ["NAME", "SceneError", "refuse", "shown", "suggestion"]
+__all__ = ["NAME", "SceneError", "refuse", "require", "shown", "suggestion"]
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called."""
@@ -41,6 +41,19 @@ def refuse(faults: Iterable[str]) -> None:
     lines = list(faults)
     if lines:
         raise ValueError("\n".join(lines))
+
+
+def require(name: str, value: object, kind: type | tuple[type, ...], remedy: str) -> None:
+    """Refuse an argument of another kind than a function takes, and say what makes one that it takes.
+
+    Examples
+    --------
+    >>> require("palette", "macbeth", dict, "load_palettes(path)")
+    Traceback (most recent call last):
+    TypeError: palette is a str, 'macbeth': give load_palettes(path)
+    """
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is a {type(value).__name__}, {shown(value)}: give {remedy}")
 
 
 def shown(value: object) -> str:

@@ -127,7 +127,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """The gentlest change that makes a picture reproducible by stated criteria, or why none does.
+    """The simplest change that makes a picture reproducible by stated criteria, or why none does.
 
     Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
     """

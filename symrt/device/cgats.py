@@ -63,7 +63,7 @@ def read_cgats(text: str) -> Measured:
     """
     tables = _tables(LINES.split(text))
     if not tables:
-        raise ValueError("no BEGIN_DATA_FORMAT and BEGIN_DATA: this is not CGATS text; export the chart as CGATS.17")
+        raise ValueError("no BEGIN_DATA_FORMAT and BEGIN_DATA: neither CGATS text nor CxF; export the chart as one")
     charts = [table for table in map(_paired, tables) if any(map(is_spectral, table.fields))]
     if len(charts) > 1:
         raise ValueError(f"{len(charts)} tables with spectra: keep one measurement a file")

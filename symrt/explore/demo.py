@@ -95,7 +95,7 @@ def _texts(found: Study) -> Iterator[File]:
 
 def _ranges_text(found: Study) -> str:
     alone = "One parameter at a time; no physical cap, as in the paper's Figure 3, so materials above 1 are listed."
-    left = "Left out: pixels outside that the parameter does not touch + those that no value brings inside."
+    left = "Pixels outside: those that the parameter does not touch, and those that no value brings inside."
     dark = f"Darker than the device's black with the palette given: {found.ranges[0].dark:.1%} of the object pixels."
     together = "All materials at once (figures 3a, 3a-black and 3b):"
     details = "\n\n".join(map(repr, found.ranges))

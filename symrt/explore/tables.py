@@ -142,7 +142,7 @@ def feasible_record(found: Feasible) -> dict[str, Any]:
 
 def ranges_table(ranges: Sequence[Feasible]) -> str:
     """Feasible ranges one below the other, each with its verdict and what stops it."""
-    head = ("parameter", "low", "high", "verdict", "left out", "stopped above by", "above 1 there")
+    head = ("parameter", "low", "high", "verdict", "pixels outside", "stopped above by", "reflects above 1")
     return text_table(head, [row for found in ranges for row in _rows(found)], ruled=True)
 
 
@@ -270,9 +270,9 @@ def inside_proves(gamut: SavedGamut) -> str:
 
 
 def _rows(found: Feasible) -> list[tuple[str, ...]]:
-    left_out = f"{len(found.untouched_outside)} + {len(found.unfixable)}"
+    left_out = f"{len(found.untouched_outside) + len(found.unfixable)} of {found.objects}"
     above = ", ".join(found.above_one) or "-"
-    if not found.intervals:
+    if found.none_inside or not found.intervals:
         return [(str(found.parameter), "none", "none", found.verdict, left_out, "-", above)]
     return [
         (str(found.parameter), f"{low:.4g}", f"{high:.4g}", found.verdict, left_out, str(reason[1]), above)

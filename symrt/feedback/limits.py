@@ -14,10 +14,12 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from symrt.arrays import PixelBands, Spectrum
+from symrt.errors import require
 from symrt.feedback.bounds import Bound, bound_of
 from symrt.feedback.solids import Solid
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
-from symrt.gamut.intersections import UnevenGamut
+from symrt.gamut.intersections import InkIntersection, UnevenGamut
+from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
@@ -26,7 +28,16 @@ from symrt.spectra.reference import Reference, whites
 from symrt.spectra.shading import shade, tail_bound
 from symrt.system import LinearSystem
 
-__all__ = ["Bound", "Limits", "described", "limits", "reflectances", "rising_limits", "white_in_every_band"]
+__all__ = [
+    "Bound",
+    "Limits",
+    "check_kinds",
+    "described",
+    "limits",
+    "reflectances",
+    "rising_limits",
+    "white_in_every_band",
+]
 
 Pixels = Int[np.ndarray, " pixel"]
 INVISIBLE = 1e-6
@@ -81,6 +92,19 @@ class Limits:
         return f"{described(self.gamut)}; {self.reference}{masked}{cut}"
 
 
+def check_kinds(system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut) -> None:
+    """Refuse a question whose parts were swapped, or not yet made.
+
+    Raises
+    ------
+    TypeError
+        That says which part is what, and what makes the right one.
+    """
+    require("system", system, LinearSystem, "render(scene)")
+    require("palette", palette, Palette, "one of load_palettes(path)")
+    require("gamut", gamut, (ConvexGamut, InkGamut, InkIntersection), "device_gamut(load_device(name), model)")
+
+
 def described(gamut: ConvexGamut | UnevenGamut) -> str:
     """A gamut in words, with what being inside proves, and which of its devices are modelled.
 
@@ -117,6 +141,7 @@ def limits(
     >>> asked.upper.matrix[0, 0].item(), asked.reference
     (0.25, 'reference sun, exposure 0.5')
     """
+    check_kinds(system, palette, gamut)
     if palette.bands != gamut.bands:
         raise ValueError(
             f"the palette is in {palette.bands!r}, {gamut.name} in {gamut.bands!r}: use palette.on(gamut.bands), or "
@@ -191,6 +216,7 @@ def white_in_every_band(
     4.0
     """
     for gamut in gamuts:
+        check_kinds(system, palette, gamut)
         if gamut.bands != palette.bands:
             raise ValueError(
                 f"{gamut.name} is on {gamut.bands!r}, the palette on {palette.bands!r}: use the same bands"

@@ -11,6 +11,7 @@ from typing import get_args
 import numpy as np
 
 from symrt.arrays import Spectrum
+from symrt.errors import require
 from symrt.feedback.mixing import Mixing, check_paints, mixed
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette, did_you_mean, is_reflectance
@@ -100,6 +101,7 @@ def with_spectra(palette: Palette, spectra: Mapping[str, Spectrum]) -> Palette:
 
 def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> dict[str, Ends]:
     """For each symbol that the parameter moves, its spectra at t = 0 and t = 1."""
+    require("parameter", parameter, (Scale, Blend, Exposure), "Scale('brass'), Blend('sea', 'ice') or Exposure()")
     if isinstance(parameter, Blend):
         return _blend_ends(system, palette, parameter)
     names = system.lights if isinstance(parameter, Exposure) else scaled_symbols(system, palette, parameter)

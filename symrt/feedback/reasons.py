@@ -134,6 +134,11 @@ class Feasible:
         """The largest value found, None if there is none."""
         return self.intervals[-1][1] if self.intervals else None
 
+    @property
+    def none_inside(self) -> bool:
+        """Whether every pixel asked about is outside whatever the value, so that there is no rest to keep inside."""
+        return 0 < self.objects == len(self.untouched_outside) + len(self.unfixable)
+
     def places(self, pixels: Int[np.ndarray, " pixel"]) -> Int[np.ndarray, "pixel 2"]:
         """Columns x and rows y of numbered pixels."""
         return np.stack([pixels % self.width, pixels // self.width], axis=1)
@@ -147,6 +152,8 @@ class Feasible:
 
     def _answer(self) -> str:
         what = str(self.parameter)
+        if self.none_inside:
+            return f"No pixel is inside, whatever the {what}: there is no rest to keep inside ({self.verdict})."
         if not self.intervals:
             low, high = self.within
             return f"The {what} has no value in {low:g} … {high:g} that keeps the image inside ({self.verdict})."
@@ -258,9 +265,9 @@ class Fit:
                 f"No acceptable solution with scales in {low:g} … {high:g}: the {self.objective} image inside would "
                 f"keep {self.luminance:.1%} of the luminance (min(Y, 1) on average) of the image given."
             )
-        whom = "image" if self.verdict == "complete" else "image but for some pixels"
+        whom = "image inside" if self.verdict == "complete" else "image, inside but for some pixels,"
         best = "" if self.optimum == "global" else "; none nearby is better"
-        return f"The {self.objective} {whom} inside with scales in {low:g} … {high:g} ({self.verdict}{best})."
+        return f"The {self.objective} {whom} with scales in {low:g} … {high:g} ({self.verdict}{best})."
 
     def _exceptions(self) -> list[str]:
         lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
@@ -268,8 +275,8 @@ class Fit:
             lines.insert(0, f"{len(self.left_out)} of {self.objects} object pixels are left outside, as allowed.")
         if self.objective == "darkest" and any(why.side in ("lower", "luminance") for why in self.reasons.values()):
             lines.append("Single pixels that are above black as given stop it: a larger allowed_dark lets some fall.")
-        work = f"{self.rounds} programmes of up to {self.rows} rows, " if self.rounds else ""
-        return [*lines, f"{work}{self.seconds:.2f} s; mean luminance {self.luminance:.1%} of the image given."]
+        done = f"{work(self.rounds, self.rows)}{self.seconds:.2f} s"
+        return [*lines, f"{done}; mean luminance {self.luminance:.1%} of the image given."]
 
 
 def exceptions(
@@ -278,10 +285,22 @@ def exceptions(
     above_one: tuple[str, ...],
     dark: float,
     objects: int,
+    where: str = "",
 ) -> list[str]:
-    """What is not as one would wish, a sentence each."""
+    """What is not as one would wish, a sentence each; `where` says when pixels are dark, if not always."""
     counts = ((len(untouched), "outside and untouched"), (len(unfixable), "outside whatever the value"))
     lines = [f"{n} of {objects} object pixels are {what}." for n, what in counts if n]
     if above_one:
         lines.append(f"More would be reflected than received by {', '.join(above_one)}.")
-    return [*lines, f"{dark:.1%} of the object pixels are darker than the device's black."]
+    return [*lines, f"{where}{dark:.1%} of the object pixels are darker than the device's black."]
+
+
+def work(rounds: int, rows: int) -> str:
+    """The programmes that were solved, if any.
+
+    Examples
+    --------
+    >>> work(1, 12), work(0, 0)
+    ('1 programme of up to 12 rows, ', '')
+    """
+    return f"{rounds} programme{'' if rounds == 1 else 's'} of up to {rows} rows, " if rounds else ""

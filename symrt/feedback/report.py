@@ -32,7 +32,7 @@ ASKED = 2000
 
 Pixels = Int[np.ndarray, " pixel"]
 Reflectances = Float[np.ndarray, "pixel band"]
-HEAD = ("gamut", "inside", "worst pixel", "by", "worst band", "what inside proves")
+HEAD = ("gamut", "inside", "worst pixel", "violation", "worst band", "what inside proves")
 
 
 @dataclass(frozen=True)

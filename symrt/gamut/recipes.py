@@ -148,7 +148,8 @@ def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
 
 def _printer_of(device: Device) -> Printer:
     if device.printer is None:
-        raise ValueError(f"{device.name}: known by its samples alone; fit a model to them with fit_halftone")
+        remedy = "fit a model to them with fit_halftone" if device.inks else "give a chart with columns of ink amounts"
+        raise ValueError(f"{device.name}: known by its samples alone; {remedy}")
     return device.printer
 
 

@@ -1,12 +1,18 @@
 """What a pixel does along a parameter, against shading the palette at each value of it."""
 
+import os
+import subprocess
+import sys
+import textwrap
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from feedback.synthetic import MATTE, palette, system
 from scipy import sparse
 
+import symrt
 from symrt.feedback.along import along
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.spectra.bands import RGB
@@ -155,3 +161,33 @@ def test_a_material_s_scale_moves_all_its_components_and_no_other():
         factor = 2.0 if name.startswith("brass.") else 1.0
         np.testing.assert_array_equal(doubled[name], factor * COLOURS[name])
     assert set(MATTE).isdisjoint(n.partition(".")[0] for n in COLOURS if n.startswith("brass."))
+
+
+def test_arguments_in_each_others_place_are_named_with_what_makes_them():
+    """In a process of its own: here the types in signatures are checked before."""
+    lines = """
+        import symrt as rt
+        scene = rt.load_scene("first")
+        system, palette = rt.render(scene, progress=False), rt.load_palettes("first")["plain"]
+        device = rt.load_device("dye3-endura-premier")
+        gamut, red = rt.device_gamut(device), rt.Scale("red")
+        for ask in (
+            lambda: rt.feasible(system, palette, gamut, "red"),
+            lambda: rt.feasible(system, palette, device, red),
+            lambda: rt.fit(scene, palette, gamut, [red]),
+            lambda: rt.report(palette, system, [gamut]),
+            lambda: rt.map_pixels(system, rt.load_palettes("first"), gamut),
+            lambda: rt.adapt(system, palette, gamut, ["red"]),
+        ):
+            try:
+                ask()
+            except TypeError as error:
+                print(error)
+    """
+    home = os.environ | {"PYTHONPATH": str(Path(symrt.__file__).parents[1])}
+    said = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(lines)], capture_output=True, text=True, check=True, env=home
+    ).stdout.splitlines()
+    kinds = ["parameter is a str", "gamut is a Device", "system is a Scene", "system is a Palette", "palette is a dict"]
+    assert [" ".join(line.split()[:4]).rstrip(",") for line in said] == [*kinds, "scale is a str"]
+    assert "give device_gamut(load_device(name), model)" in said[1]

@@ -90,12 +90,12 @@ class Criteria:
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The gentlest change of an image that meets stated criteria, or why none does.
+    """The simplest change of an image that meets stated criteria, or why none does.
 
     Parameters
     ----------
     steps
-        The means tried, the gentlest first; the last is accepted, or none is.
+        The means tried, the simplest first; the last is accepted, or none is.
     accepted
         The step that meets all criteria; None if there is none.
     asked, objects

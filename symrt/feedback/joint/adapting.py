@@ -1,6 +1,6 @@
 """Change an image as little as it takes to be reproducible: the loop of step 5 of the paper, with its criteria stated.
 
-Means are tried from the gentlest on: nothing; one factor on all lights; the scales of least change, with no pixel left
+Means are tried from the simplest on: nothing; one factor on all lights; the scales of least change, with no pixel left
 out; the lexicographic and the brightest ones; the same with a part of the pixels left out, as few as will do; and, if
 the caller allows it, pixels moved one by one.  The first that meets every criterion is accepted.  If none does, the
 answer says what each one lacked, what bound it, and what could have been reached.
@@ -60,7 +60,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     most: int = ASKED,
     progress: bool = True,
 ) -> Adapted:
-    """The gentlest change of an image that meets stated criteria, or why none does.
+    """The simplest change of an image that meets stated criteria, or why none does.
 
     Parameters
     ----------

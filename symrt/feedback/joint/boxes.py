@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.feedback.joint.programmes import Optimum
-from symrt.feedback.reasons import Reason, exceptions
+from symrt.feedback.reasons import Reason, exceptions, work
 from symrt.table import html_table, text_table
 
 __all__ = ["Box", "SafeBox"]
@@ -94,7 +94,8 @@ class SafeBox:
         return f"All scales may move freely in this box and keep {whom} inside ({self.verdict}; {best})."
 
     def _notes(self) -> list[str]:
-        lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects)
+        where = "With all scales at their least, "
+        lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects, where)
         if self.separate == {}:
             lines.append("Some scale has no value that would do with all others as given.")
         elif self.separate is not None:
@@ -103,4 +104,4 @@ class SafeBox:
                 f"The ranges of single scales, others as given, span a box of volume {size:.3g} "
                 f"against {self.volume:.3g}; {self.separate_inside:.1%} of it is inside."
             )
-        return [*lines, f"{self.rounds} programmes of up to {self.rows} rows, {self.seconds:.2f} s."]
+        return [*lines, f"{work(self.rounds, self.rows)}{self.seconds:.2f} s."]

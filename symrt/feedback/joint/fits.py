@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Int
 from tqdm.auto import tqdm
 
+from symrt.errors import require
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
@@ -242,7 +243,7 @@ def symbols_of(system: LinearSystem, palette: Palette, scales: Sequence[Scale]) 
     Raises
     ------
     ValueError
-        If there is nothing of that name, or two scales multiply the same spectrum.
+        If there is nothing of that name, a scale is named twice, or two multiply the same spectrum.
 
     Examples
     --------
@@ -253,6 +254,11 @@ def symbols_of(system: LinearSystem, palette: Palette, scales: Sequence[Scale]) 
     >>> {name: sorted(symbols) for name, symbols in symbols_of(system, palette, [Scale("sea"), Scale("sun")]).items()}
     {'sea': ['sea.diffuse', 'sea.mirror'], 'sun': ['sun']}
     """
+    for scale in scales:
+        require("scale", scale, Scale, "Scale('brass') for each spectrum")
+    names = [scale.name for scale in scales]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"the scale of {twice[0]} is named twice: name each scale once")
     symbols = {scale.name: frozenset(moved_ends(system, palette, scale)) for scale in scales}
     for one, other in combinations(sorted(symbols), 2):
         if both := symbols[one] & symbols[other]:
