@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import symrt as rt
 from symrt.errors import shown, suggestion
@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from symrt.system import LinearSystem
 
 __all__ = [
+    "Kind",
     "alternatives_of",
+    "bands_of",
     "formula_of",
     "gamut_of",
     "gamuts_of",
@@ -122,9 +124,25 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
     return palettes[name]
 
 
-def gamut_of(
-    word: str, model: str | None = None, black: str | None = None, bands: "Bands | None" = None
-) -> "AnyGamut | AnyIntersection":
+class Kind(NamedTuple):
+    """Which gamut of a device is meant; what is None is as the library has it."""
+
+    model: str | None = None
+    black: str | None = None
+    light: str | None = None
+    tolerance: float | None = None
+
+    def options(self, model: str) -> dict[str, Any]:
+        """The light and the tolerance, if the model takes them."""
+        takes = {"light": ("colorimetric",), "tolerance": ("hull", "inks")}
+        given = {name: value for name in takes if (value := getattr(self, name)) is not None}
+        for name in given:
+            if model not in takes[name]:
+                raise ValueError(f"--{name}: only for --model {' or '.join(takes[name])}, and this is {model}")
+        return given
+
+
+def gamut_of(word: str, kind: Kind = Kind(), bands: "Bands | None" = None) -> "AnyGamut | AnyIntersection":  # noqa: B008
     """A saved gamut, or the gamut of a device, or what several devices joined by ``+`` can all do.
 
     If nothing else is said it is a printer's envelope with black clipped, or a monitor's gamut.
@@ -134,32 +152,47 @@ def gamut_of(
     bands
         Those of the palette: a monitor shows any, a printer must have them.
     """
-    words = [word] if Path(word).exists() else word.split("+")
-    found = [_one_gamut(one, model, black, bands, several=len(words) > 1) for one in words]
+    words = _joined(word)
+    found = [_one_gamut(one, kind, bands, several=len(words) > 1) for one in words]
     return found[0] if len(found) == 1 else rt.intersection(found)
 
 
-def _one_gamut(
-    word: str, model: str | None, black: str | None, bands: "Bands | None", *, several: bool
-) -> "AnyGamut | AnyIntersection":
+def _joined(word: str) -> list[str]:
+    return [word] if Path(word).exists() else word.split("+")
+
+
+def bands_of(word: str) -> "Bands":
+    """The bands that a palette must have for a device, or for the first of several that is no monitor."""
+    for one in _joined(word):
+        found = rt.load_gamut(one) if is_file(one) else rt.load_device(one)
+        if not hasattr(found, "primaries"):
+            return found.bands
+    raise ValueError(f"--resample: {word} is a monitor, which shows spectra on any bands: leave it out")
+
+
+def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -> "AnyGamut | AnyIntersection":
     if is_file(word):
-        if model or black:
+        if any(kind):
             raise ValueError(
-                f"{word}: a saved gamut has its model and its way with black: leave out --model and --black"
+                f"{word}: a saved gamut has its model and all that goes with it: leave out --model, --black, --light "
+                "and --tolerance"
             )
         return rt.load_gamut(word)
     device = rt.load_device(word)
     if hasattr(device, "primaries"):  # a monitor: it has no other gamut, and no black of its own
-        if black and not several:
-            raise ValueError(f"--black {black}: {word} is a monitor, whose black is black: leave it out")
-        return rt.device_gamut(device.on(bands) if bands else device, (not several and model) or "monitor")
+        if kind.black and not several:
+            raise ValueError(f"--black {kind.black}: {word} is a monitor, whose black is black: leave it out")
+        model = (not several and kind.model) or "monitor"
+        options = {} if several else kind.options(model)
+        return rt.device_gamut(device.on(bands) if bands else device, model, **options)
     if bands and device.bands != bands:
         raise ValueError(_other_bands(word, device.bands, bands))
-    if model == "inks" and device.printer is None and device.inks:
+    if kind.model == "inks" and device.printer is None and device.inks:
         fitted = rt.fit_halftone(device)
         warnings.warn(f"{word}: {fitted!r} stands for the printer", stacklevel=2)
         device = fitted.device
-    return rt.device_gamut(device, model or "envelope", black or "clip")
+    model = kind.model or "envelope"
+    return rt.device_gamut(device, model, kind.black or "clip", **kind.options(model))
 
 
 def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
@@ -168,12 +201,23 @@ def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
     steps = {round(b - a, 9) for a, b in pairwise(own.centres)}
     numbers = [own.centres[0], own.centres[-1], *steps] if len(steps) == 1 else list(own.centres)
     written = ", ".join(f"{number:g}" for number in numbers)
-    return f"{word} is in {own!r} and the palette in {bands!r}: write bands = [{written}] in the palette"
+    how = f"add --resample, or write bands = [{written}] in the palette"
+    return f"{word} is in {own!r} and the palette in {bands!r}: {how}"
 
 
-def gamuts_of(device: str, models: Sequence[str], monitor: str, bands: "Bands") -> "list[AnyGamut | AnyIntersection]":
-    """Several gamuts of a device, and a monitor's."""
-    return [*(gamut_of(device, model, None, bands) for model in models), gamut_of(monitor, "monitor", None, bands)]
+def gamuts_of(
+    device: str, models: Sequence[str], monitor: str, bands: "Bands", light: str | None, tolerance: float | None
+) -> "list[AnyGamut | AnyIntersection]":
+    """Several gamuts of a device, and a monitor's; a light and a tolerance are for the models that take one."""
+    kinds = [
+        Kind(
+            model,
+            light=light if model == "colorimetric" else None,
+            tolerance=tolerance if model in {"hull", "inks"} else None,
+        )
+        for model in models
+    ]
+    return [*(gamut_of(device, kind, bands) for kind in kinds), gamut_of(monitor, Kind("monitor"), bands)]
 
 
 def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -> "Formula":

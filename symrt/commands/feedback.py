@@ -83,13 +83,14 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 @asking(Question)
 def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     question: Question,
-    parameter: option.Parameters,
+    parameter: option.Scales,
     objective: option.Objective = "lexicographic",
     least_luminance: option.LeastLuminance = 0.5,
     out: option.Out = None,
     within: option.Within = None,
     allowed_out: option.AllowedOut = 0.0,
     cap: option.Cap = True,
+    palette_out: option.PaletteOut = None,
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
@@ -100,6 +101,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
 
     _check_files(out, plot)
+    if palette_out is not None:
+        writable(palette_out, ".toml")
     scales = [scale_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
@@ -108,6 +111,8 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     found = rt.fit(system, spectra, gamut, scales, **options)
     if out is not None:
         _save(out, rt.shade(system, found.palette), question, system, spectra)
+    if palette_out is not None:
+        rt.save_palettes(palette_out, {objective: found.palette})
     if plot is not None:
         draw(plot, "fit_figure", found, system, spectra, seen)
     typer.echo(json_text(fit_record(found)) if as_json else repr(found))
@@ -116,7 +121,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 @asking(Question)
 def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     question: Question,
-    parameter: option.Parameters,
+    parameter: option.Scales,
     least_inside: option.LeastInside = 1.0,
     most_difference: option.MostDifference = None,
     least_lightness: option.LeastLightness = None,

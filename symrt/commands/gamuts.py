@@ -8,7 +8,7 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import gamut_of, gamuts_of, palette_of, system_of, writable
+from symrt.commands.arguments import Kind, bands_of, gamut_of, gamuts_of, palette_of, system_of, writable
 from symrt.commands.questions import Picture, asking
 from symrt.explore.writing import draw, json_text
 
@@ -34,6 +34,8 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     device: option.DeviceName = option.DEVICE,
     model: option.ModelName = None,
     black: option.BlackName = None,
+    light: option.ViewingLight = None,
+    tolerance: option.Tolerance = None,
     palette: option.PaletteName = None,
     palettes: option.PaletteFile = None,
     within: option.Within = None,
@@ -41,6 +43,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     exposure: option.Exposure = 1.0,
     components: option.Components = DRAWN,
     size: option.Size = None,
+    resample: option.Resample = False,
     save: Annotated[Path | None, typer.Option(help="Write the gamut to a file (.npz).")] = None,
     plot: option.Plot = None,
     as_json: option.Json = False,
@@ -55,23 +58,31 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     for path, ending in ((save, ".npz"), (plot, ".png")):
         if path is not None:
             writable(path, ending)
+    kind = Kind(model, black, light, tolerance)
     if source is None:
         about: dict[str, object] = {
             "--palette": palette,
             "--palettes": palettes,
             "--within": within,
             "--reference": reference,
+            "--size": size,
+            "--resample": resample or None,
+            "--exposure": None if exposure == 1 else exposure,
+            "--components": None if components == DRAWN else components,
         }
-        about |= {"--size": size, "--exposure": exposure != 1 or None, "--components": components != DRAWN or None}
         if given := [name for name, value in about.items() if value is not None]:
             raise ValueError(f"{given[0]} asks about a scene's materials: name the scene, such as symrt gamut globe")
-        found = gamut_of(device, model, black)
+        found = gamut_of(device, kind)
         said, text = _facts(found, plot)
     else:
         if source in rt.devices() or Path(source).suffix.lower() in CHARTS:
             raise ValueError(f"{source}: a device, where a scene or a system stands: write --device {source}")
         spectra = palette_of(source, palettes, palette)
-        found = gamut_of(device, model, black, spectra.bands)
+        spectra = spectra.on(bands_of(device)) if resample else spectra
+        found = gamut_of(device, kind, spectra.bands)
+        last = len(spectra.bands) - 1
+        if len(set(components)) < 3 or not all(0 <= k <= last for k in components):
+            raise ValueError(f"--components {' '.join(map(str, components))}: three different ones, from 0 to {last}")
         asked = {"within": within or (0.01, 3.0), "exposure": exposure}
         said, text = _segments(system_of(source, size), spectra, found, reference, asked, components, plot)
     if save is not None:
@@ -113,9 +124,10 @@ def _segments(
 @asking(Picture)
 def report(  # a command names its options
     picture: Picture,
-    device: option.DeviceName = option.DEVICE,
     model: option.Models = None,
     monitor: option.Monitor = "crt-brainard",
+    light: option.ViewingLight = None,
+    tolerance: option.Tolerance = None,
     plot: Annotated[Path | None, typer.Option(help="Map the pixels outside the first gamut (.png).")] = None,
     as_json: option.Json = False,
 ) -> None:
@@ -123,7 +135,8 @@ def report(  # a command names its options
 
     Example: symrt report globe --palette macbeth --model envelope --model hull
     """
-    gamuts = gamuts_of(device, model or ["unit", "envelope", "hull", "colorimetric"], monitor, picture.given.bands)
+    models = model or ["unit", "envelope", "hull", "colorimetric"]
+    gamuts = gamuts_of(picture.device, models, monitor, picture.given.bands, light, tolerance)
     if plot is not None:
         writable(plot, ".png")
     system, spectra = picture.rendered()

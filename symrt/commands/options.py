@@ -29,10 +29,13 @@ __all__ = [
     "Out",
     "PaletteFile",
     "PaletteName",
+    "PaletteOut",
     "Parameters",
     "Plot",
     "Reference",
     "Region",
+    "Resample",
+    "Scales",
     "SceneFile",
     "Size",
     "Smoothness",
@@ -40,7 +43,9 @@ __all__ = [
     "Split",
     "SystemOut",
     "Together",
+    "Tolerance",
     "Towards",
+    "ViewingLight",
     "Weights",
     "Within",
 ]
@@ -75,6 +80,15 @@ Monitor = Annotated[str, typer.Option("--monitor", help="A monitor to compare wi
 BlackName = Annotated[
     Literal["clip", "luminance", "strict"] | None, typer.Option("--black", help="What becomes of the dark: clip.")
 ]
+ViewingLight = Annotated[
+    str | None, typer.Option("--light", help="Viewing light of the model colorimetric; illuminant/D50 if not given.")
+]
+Tolerance = Annotated[
+    float | None, typer.Option("--tolerance", help="RMS difference that passes for none in a hull or inks; 0.01.")
+]
+Resample = Annotated[
+    bool, typer.Option("--resample", help="Bring the palette to the device's bands, where it reaches that far.")
+]
 Within = Annotated[
     tuple[float, float] | None,
     typer.Option("--within", help="Least and largest value looked at: 0.01 3, for a blend 0 1."),
@@ -88,6 +102,9 @@ Parameters = Annotated[
     typer.Option(
         "--parameter", "-p", help="scale:NAME, blend:FROM:TO, blend:FROM:TO:kubelka-munk or exposure; repeatable."
     ),
+]
+Scales = Annotated[
+    list[str], typer.Option("--parameter", "-p", help="scale:NAME of a light, a material or a component; repeatable.")
 ]
 Cap = Annotated[bool, typer.Option("--cap/--no-cap", help="Keep reflectances physical, their sum at most 1.")]
 AllowedOut = Annotated[float, typer.Option("--allowed-out", help="Share of pixels that may be outside.")]
@@ -121,6 +138,7 @@ Split = Annotated[
         "NAME=MATERIAL:MASK.png where the mask is white; repeatable.",
     ),
 ]
+PaletteOut = Annotated[Path | None, typer.Option("--palette-out", help="The spectra found, as a palette file (.toml).")]
 Json = Annotated[bool, typer.Option("--json", help="For a program to read.")]
 Plot = Annotated[Path | None, typer.Option("--plot", help="Draw it (.png).")]
 Region = Annotated[
@@ -128,10 +146,18 @@ Region = Annotated[
 ]
 Objective = Annotated[
     Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"],
-    typer.Option("--objective", help="What is sought."),
+    typer.Option(
+        "--objective",
+        help="lexicographic: inside, then as well exposed as may be, then changed least. closest: changed least. "
+        "lightest: all scales rise together, each until a pixel stops it. brightest: largest mean luminance. "
+        "darkest: all sink together. contrast: largest ratio of light to dark regions.",
+    ),
 ]
 LeastLuminance = Annotated[
-    float, typer.Option("--least-luminance", help="Share of the luminance given that is acceptable; 0 for any.")
+    float,
+    typer.Option(
+        "--least-luminance", help="Least acceptable share of the luminance given; 0 for any. Not for darkest."
+    ),
 ]
 Together = Annotated[
     bool, typer.Option("--together", help="One box in which all the scales may move freely, not range by range.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import gamut_of, palette_of, system_of
+from symrt.commands.arguments import Kind, bands_of, gamut_of, palette_of, system_of
 from symrt.commands.masks import parted
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ __all__ = ["Picture", "Question", "asking"]
 
 @dataclass(frozen=True)
 class Picture:
-    """A scene or a system with its spectra, and the white that it is seen against."""
+    """A scene or a system with its spectra, the white that it is seen against, and the device in question."""
 
     source: option.Source
     palette: option.PaletteName = None
@@ -33,11 +33,14 @@ class Picture:
     reference: option.Reference = None
     exposure: option.Exposure = 1.0
     size: option.Size = None
+    device: option.DeviceName = option.DEVICE
+    resample: option.Resample = False
 
     @cached_property
     def given(self) -> "Palette":
-        """The palette as its file has it: known before anything is rendered."""
-        return palette_of(self.source, self.palettes, self.palette)
+        """The palette, on the device's bands if it is to be: known before anything is rendered."""
+        found = palette_of(self.source, self.palettes, self.palette)
+        return found.on(bands_of(self.device)) if self.resample else found
 
     @cached_property
     def seen(self) -> "Reference":
@@ -54,20 +57,21 @@ class Picture:
 class Question(Picture):
     """A picture, and the gamut that it is asked about."""
 
-    device: option.DeviceName = option.DEVICE
     model: option.ModelName = None
     black: option.BlackName = None
+    light: option.ViewingLight = None
+    tolerance: option.Tolerance = None
 
     @cached_property
     def gamut(self) -> "AnyGamut | AnyIntersection":
         """The gamut, on the palette's bands."""
-        return gamut_of(self.device, self.model, self.black, self.given.bands)
+        return gamut_of(self.device, Kind(self.model, self.black, self.light, self.tolerance), self.given.bands)
 
 
-Kind = TypeVar("Kind", bound=Picture)
+Asked = TypeVar("Asked", bound=Picture)
 
 
-def asking(kind: type[Kind]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def asking(kind: type[Asked]) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Make of a function of a picture, or a question, and words of its own a command that has the words of both.
 
     Examples

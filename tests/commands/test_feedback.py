@@ -231,3 +231,15 @@ def test_the_exposure_is_a_parameter(run, system):
     record = json.loads(run("feasible", "first", *SMALL, "--palette", "plain", "-p", "exposure", "--json")[1])[0]
     expected = rt.feasible(system, palette, gamut, rt.Exposure())
     assert record["intervals"] == [list(interval) for interval in expected.intervals]
+
+
+def test_the_spectra_of_a_fit_are_a_palette_to_go_on_with(run, tmp_path, system):
+    words = ["fit", "first", *SMALL, "--palette", "plain", "-p", "scale:red", "--exposure", 2, "--no-cap"]
+    assert run(*words, "--palette-out", "fitted.toml")[0] == 0
+    palette, seen = rt.load_palettes("first")["plain"], rt.Reference(exposure=2)
+    gamut = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
+    expected = rt.fit(system, palette, gamut, [rt.Scale("red")], reference=seen, cap=False).palette
+    saved = rt.load_palettes(tmp_path / "fitted.toml")["lexicographic"]
+    assert all(np.array_equal(saved[name], expected[name]) for name in expected)
+    code, out, err = run(*words, "--palette-out", "fitted.png")
+    assert (code, out, err.count("\n")) == (2, "", 1)

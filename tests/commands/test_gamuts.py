@@ -114,3 +114,49 @@ def test_other_components_draw_another_figure(run, tmp_path, system):
         assert run("gamut", "first.npz", *words)[0] == 0
     one, same, other = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
     assert one == same != other
+
+
+def test_a_viewing_light_and_a_tolerance_are_those_of_the_library(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    device, palette = rt.load_device("dye3-endura-premier"), rt.load_palettes("first")["plain"]
+    asked = ["--palettes", "first", "--palette", "plain", "--json"]
+    for model, words, options in (
+        ("colorimetric", ["--light", "illuminant/A"], {"light": "illuminant/A"}),
+        ("hull", ["--tolerance", 0.05], {"tolerance": 0.05}),
+        ("inks", ["--tolerance", 0.05], {"tolerance": 0.05}),
+    ):
+        gamut = rt.device_gamut(device, model, **options)
+        assert json.loads(run("gamut", "--model", model, *words, "--json")[1])["gamut"] == gamut.name
+        record = json.loads(run("feasible", "first.npz", *asked, "--model", model, *words, "-p", "scale:red")[1])
+        expected = rt.feasible(system, palette, gamut, rt.Scale("red"), progress=False)
+        assert record[0]["intervals"] == [list(interval) for interval in expected.intervals]
+    both = ["--light", "illuminant/A", "--tolerance", 0.05]
+    report = json.loads(run("report", "first.npz", *asked, *both, "--model", "hull", "--model", "colorimetric")[1])
+    names = [rt.device_gamut(device, "hull", tolerance=0.05).name]
+    names.append(rt.device_gamut(device, "colorimetric", light="illuminant/A").name)
+    assert [verdict["gamut"] for verdict in report["verdicts"][:2]] == names
+    # Gamuts that were saved can be joined, such as those under two viewing lights.
+    for light in ("A", "D50"):
+        words = ["--model", "colorimetric", "--light", f"illuminant/{light}", "--save", f"{light}.npz"]
+        assert run("gamut", *words)[0] == 0
+    joined = json.loads(run("gamut", "--device", "A.npz+D50.npz", "--json")[1])
+    assert [part.rpartition("/")[2] for part in joined["parts"]] == ["A", "D50"]
+    assert (tmp_path / "A.npz").exists()
+
+
+def test_a_palette_is_brought_to_a_charts_bands_if_that_is_asked_for(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    head = "SAMPLE_ID," + ",".join(f"nm{nm}" for nm in range(400, 701, 20))
+    prints = [f"{k}," + ",".join(["0.1", "0.9"][k % 2] for _ in range(16)) for k in range(4)]
+    (tmp_path / "chart.csv").write_text("\n".join([head, *prints]))
+    words = ["--palettes", "first", "--palette", "plain", "--device", "chart.csv"]
+    for command in (["feasible", "-p", "scale:red"], ["report", "--model", "envelope"], ["gamut"]):
+        code, out, err = run(command[0], "first.npz", *words, *command[1:])
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert "add --resample, or write bands = [400, 700, 20]" in err
+        assert run(command[0], "first.npz", *words, *command[1:], "--resample")[0] == 0
+    chart = rt.load_device(tmp_path / "chart.csv")
+    palette = rt.load_palettes("first")["plain"].on(chart.bands)
+    expected = rt.feasible(system, palette, rt.device_gamut(chart, "envelope"), rt.Scale("red"))
+    record = json.loads(run("feasible", "first.npz", *words, "-p", "scale:red", "--resample", "--json")[1])
+    assert record[0]["intervals"] == [list(interval) for interval in expected.intervals]

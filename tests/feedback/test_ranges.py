@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from symrt.device.inks import load_device
+from symrt.explore.tables import ranges_table
 from symrt.feedback import intervals
 from symrt.feedback.along import along
 from symrt.feedback.limits import rising_limits
@@ -397,3 +398,15 @@ def test_what_needs_rising_bounds_refuses_other_gamuts_with_a_remedy(model):
     gamut = device_gamut(load_device("crt-brainard" if model == "monitor" else "dye3-endura-premier"), model)
     with pytest.raises(ValueError, match="use adapt, which fits them to the device's envelope"):
         rising_limits(IMAGE, COLOURS, gamut)
+
+
+def test_an_image_of_which_nothing_is_inside_has_no_rest_to_keep():
+    columns = (Interaction("key", ("a.diffuse",)), Interaction("key", ("b.diffuse",)))
+    image = LinearSystem(sparse.csr_array([[0.5, 0.0], [0.5, 0.1]]), columns, 1, 2, {"key": 0.5})
+    colours = Palette(UNIT.bands, {"key": 2.0, "a.diffuse": 0.9, "b.diffuse": 0.5})
+    bright = Reference("key", exposure=2.0)
+    found = feasible(image, colours, UNIT, Scale("b"), cap=False, reference=bright)
+    assert (len(found.untouched_outside), len(found.unfixable), found.objects) == (1, 1, 2)
+    assert repr(found).startswith("No pixel is inside, whatever the scale of b: there is no rest to keep inside")
+    assert ranges_table([found]).splitlines()[-1].split()[3:5] == ["none", "none"]
+    assert not feasible(image, colours, UNIT, Scale("b"), cap=False).none_inside
