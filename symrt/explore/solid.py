@@ -1,5 +1,6 @@
 """A convex solid on paper: an orthographic view of it, its facets and where labels go (for Figure 1 of the paper)."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,16 +84,29 @@ def facets(solid: Polyhedron) -> list[Facet]:
     ]
 
 
-def spread(wanted: Float[np.ndarray, " label"], gap: float) -> Float[np.ndarray, " label"]:
+def spread(
+    wanted: Float[np.ndarray, " label"], gap: float, room: tuple[float, float] = (-math.inf, math.inf)
+) -> Float[np.ndarray, " label"]:
     """Positions at least `gap` apart, in the order of those wanted and, together, as near to them as can be.
 
     Labels that would overlap are pooled and share their mean (the pool-adjacent-violators algorithm).
+
+    Parameters
+    ----------
+    wanted, gap
+        In any one unit.
+    room
+        Where they must lie; where it is too small for them all, they are equally spaced in it, nearer than `gap`.
 
     Examples
     --------
     >>> spread(np.array([0.0, 0.2, 5.0]), 1.0).tolist()
     [-0.4, 0.6, 5.0]
+    >>> spread(np.array([0.0, 0.2, 5.0]), 1.0, (0.0, 4.0)).tolist()
+    [0.0, 1.0, 4.0]
     """
+    low, high = room
+    gap = min(gap, (high - low) / max(1, len(wanted) - 1))
     order = np.argsort(wanted, kind="stable")
     free = wanted[order] - gap * np.arange(len(wanted))
     pools: list[tuple[float, int]] = []
@@ -104,7 +118,8 @@ def spread(wanted: Float[np.ndarray, " label"], gap: float) -> Float[np.ndarray,
         pools.append((mean, count))
     placed = np.empty(len(wanted))
     level = np.repeat([mean for mean, _ in pools], [count for _, count in pools]) if pools else np.empty(0)
-    placed[order] = level + gap * np.arange(len(wanted))
+    # Bounded isotonic regression is the unbounded one, clipped.
+    placed[order] = np.clip(level, low, high - gap * (len(wanted) - 1)) + gap * np.arange(len(wanted))
     return placed
 
 

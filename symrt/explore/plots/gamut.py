@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from symrt.device.printing import Device
 from symrt.explore.body import body_of
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
-from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, caption_height, headline, wrapped
 from symrt.explore.segments import Segment, Segments, Span, segments_of
 from symrt.explore.solid import View, facets, spread
 from symrt.explore.tables import inside_proves
@@ -35,6 +35,8 @@ STEPS = 32
 LEADER: dict[str, Any] = {"arrowstyle": "-", "color": HAIR, "lw": 0.6, "shrinkA": 2, "shrinkB": 3}
 GIVEN: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "mec": INK, "mew": 0.9}
 """How the reflectance that the palette gives is marked."""
+LEGEND, SYMBOL = 0.04, 0.225
+"""Shares of the figure's height: of the legend, and below which the small axes stand between the panels."""
 
 Points = Float[np.ndarray, "point 2"]
 Place = tuple[float, float]
@@ -97,6 +99,8 @@ def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(found.gamut))
     paper = Paper(View(), body.vectors, components)
+    foot = _segments_caption(found, body.what, components)
+    legend = max(0.095, caption_height(foot) / figure.get_figheight())
     left, right = (panel(figure, body.solid, paper, side) for side in (0, 1))
     for axes, segments, width in ((left, found.scaled, 3.4), (right, found.blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
@@ -105,13 +109,13 @@ def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2
     given = [(segment.names[0], _place(segment, 1.0, paper)) for segment in found.scaled]
     for axes in (left, right):
         axes.plot([x for _, (x, _) in given], [y for _, (_, y) in given], **GIVEN, zorder=5)
-    _label(left, [_scale_label(segment, paper) for segment in found.scaled])
-    _label(right, given)
+    _label(left, [_scale_label(segment, paper) for segment in found.scaled], (legend + LEGEND, SYMBOL))
+    _label(right, given, (SYMBOL, 0.0))
     panel_title(left, "a", _scales_title(found.scaled))
     panel_title(right, "b", _blends_title(found.blended))
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
-    _legend(figure)
-    caption(figure, _segments_caption(found, body.what, components))
+    _legend(figure, legend)
+    caption(figure, foot)
     return figure
 
 
@@ -181,7 +185,7 @@ def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, orde
 
 def _length(segment: Segment, paper: Paper) -> float:
     """Of what is inside, on paper."""
-    return sum(math.dist(*(_place(segment, t, paper) for t in part)) for part in segment.inside)
+    return math.fsum(math.dist(*(_place(segment, t, paper) for t in part)) for part in segment.inside)
 
 
 def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[np.ndarray, "piece 3"]]:
@@ -194,7 +198,7 @@ def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[n
 def _scale_label(segment: Segment, paper: Paper) -> tuple[str, Place]:
     name, first = segment.names[0], segment.within[0]
     if not segment.inside:
-        return f"{name}: none", _place(segment, first, paper)
+        return f"{name}: none", _place(segment, 1.0, paper)
     if segment.inside == (segment.within,):
         return f"{name}: all", _place(segment, segment.within[1], paper)
     spans = [f"≤ {high:.2f}" if low == first else f"{low:.2f} … {high:.2f}" for low, high in segment.inside]
@@ -206,16 +210,31 @@ def _place(segment: Segment, t: Number, paper: Paper) -> Place:
     return x, y
 
 
-def _label(axes: Axes, labels: list[tuple[str, Place]]) -> None:
-    """Names in a column at either side, each joined to its point by a thin line."""
+def _label(axes: Axes, labels: list[tuple[str, Place]], floors: tuple[float, float]) -> None:
+    """Names in a column at either side, each joined to its point by a thin line.
+
+    `floors` are shares of the figure's height, above which the left and the right column stay.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    middle = (left + right) / 2
-    for side, edge, align in ((-1, left, "left"), (1, right, "right")):
-        chosen = [(text, point) for text, point in labels if (point[0] >= middle) == (side > 0)]
-        heights = spread(np.array([point[1] for _, point in chosen]), 0.042 * (top - bottom))
+    middle, gap, box = (left + right) / 2, 0.042 * (top - bottom), axes.get_position()
+    shown = [(text, _shown(point, axes)) for text, point in labels]
+    for side, edge, align, floor in ((-1, left, "left", floors[0]), (1, right, "right", floors[1])):
+        chosen = [(text, point) for text, point in shown if (point[0] >= middle) == (side > 0)]
+        low = bottom + max(0.0, (floor - box.y0) / box.height) * (top - bottom)
+        heights = spread(np.array([point[1] for _, point in chosen]), gap, (low + gap / 2, top - gap / 2))
         for (text, point), y in zip(chosen, heights, strict=True):
             place = (edge - side * 0.01 * (right - left), y)
-            axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, arrowprops=LEADER, **NAME)
+            look = NAME | {"annotation_clip": False, "arrowprops": LEADER}
+            axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, **look)
+
+
+def _shown(point: Place, axes: Axes) -> Place:
+    """A point, or where the way to it from black leaves the panel."""
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    place = np.array(point)
+    reach = np.divide(np.where(place > 0, high, low), place, out=np.full(2, np.inf), where=place != 0)
+    x, y = np.clip(min(1.0, reach.min()) * place, low, high).tolist()
+    return x, y
 
 
 def _scales_title(segments: Sequence[Segment]) -> str:
@@ -228,14 +247,14 @@ def _blends_title(segments: Sequence[Segment]) -> str:
     return f"Blends of two materials: {whole} of {len(segments)} wholly inside"
 
 
-def _legend(figure: Figure) -> None:
+def _legend(figure: Figure, bottom: float) -> None:
     inside = Line2D([], [], color=GREY, lw=3.4, solid_capstyle="round", label="inside the gamut")
     given = Line2D([], [], **GIVEN, label="as given (scale 1)")
     outside = Line2D([], [], color=GREY, lw=1.3, ls=(0, (4, 2)), label="outside")
     figure.legend(
         handles=[inside, outside, given],
         loc="lower left",
-        bbox_to_anchor=(0.012, 0.095),
+        bbox_to_anchor=(0.012, bottom),
         ncols=3,
         frameon=False,
         fontsize=9,

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from symrt.explore.plots.style import HAIR, INK
+from symrt.explore.plots.style import HAIR, INK, NAME
 from symrt.explore.solid import Facet, View, facets, facing, outline
 from symrt.gamut.views import Polyhedron
 
@@ -90,7 +90,7 @@ def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> N
     for tick, point in zip(ticks, points[1:-1], strict=True):
         axes.annotate(str(tick), point, (-7, 0), ha="right", va="center", fontsize=7.5, **text)
     name = f"$c_{{{paper.components[0]}}}$" + (", neutral" if paper.components[0] == 0 else "")
-    axes.annotate(name, points[-1], (0, 6), ha="center", fontsize=9, **text)
+    axes.annotate(name, points[-1], (0, 6), ha="center", fontsize=9, **text | NAME | {"zorder": 9})
 
 
 def draw_directions(axes: Axes, paper: Paper) -> None:

@@ -5,7 +5,11 @@ from io import BytesIO
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.patheffects import withStroke
+from matplotlib.textpath import TextPath
+
+from symrt.spectra.bands import Number
 
 __all__ = [
     "ABOVE",
@@ -17,8 +21,10 @@ __all__ = [
     "NAME",
     "Drawing",
     "caption",
+    "caption_height",
     "headline",
     "png",
+    "text_width",
     "wrapped",
 ]
 
@@ -50,15 +56,43 @@ def png(figure: Figure, dpi: int = 160) -> bytes:
 
 
 def headline(figure: Figure, text: str) -> None:
-    """The figure's name, at its upper left."""
+    """The figure's name, at its upper left: smaller, and in lines, if it is long."""
     inch = 1 / figure.get_figheight()
-    figure.suptitle(text, x=0.02, y=1 - 0.18 * inch, ha="left", va="top", fontsize=13, weight="bold", color=INK)
+    room = 0.95 * figure.get_figwidth()
+    long = text_width(text, 13, weight="bold") / room
+    size = 13 / min(max(1.0, long), 1.3)
+    lines = wrapped(text, int(1.25 * len(text) / long)) if long > 1.3 else text
+    figure.suptitle(lines, x=0.02, y=1 - 0.18 * inch, ha="left", va="top", fontsize=size, weight="bold", color=INK)
 
 
 def caption(figure: Figure, text: str) -> None:
     """What the figure is measured against and what in it is modelled, at its foot."""
     inch = 1 / figure.get_figheight()
     figure.text(0.02, 0.12 * inch, text, fontsize=8.5, color=GREY, va="bottom", linespacing=1.4)
+
+
+def caption_height(text: str) -> float:
+    r"""Inches from the foot of a figure to the top of its caption.
+
+    Examples
+    --------
+    >>> round(caption_height("one line"), 3), round(caption_height("two\nlines"), 3)
+    (0.285, 0.451)
+    """
+    return 0.12 + 8.5 * 1.4 / 72 * (1 + text.count("\n"))
+
+
+def text_width(text: str, size: Number, weight: str = "normal") -> float:
+    r"""Inches that the longest line of a text takes, in letters of so many points.
+
+    Examples
+    --------
+    >>> text_width("wood", 9) < text_width("wood", 9, weight="bold") < text_width("mountain\nwood", 9)
+    True
+    """
+    font = FontProperties(weight=weight)
+    widths = [TextPath((0, 0), line, size=size, prop=font).get_extents().x1 for line in text.split("\n")]
+    return float(max(widths)) / 72
 
 
 def wrapped(text: str, width: int) -> str:
