@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import ABOVE, FEASIBLE, HAIR, INK, NAME, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import ABOVE, FEASIBLE, HAIR, INK, NAME, Drawing, caption, headline, text_width, wrapped
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.pixelwise import Mapped
 from symrt.spectra.display import linear_rgb, to_rgb8
@@ -19,9 +19,9 @@ from symrt.system import LinearSystem
 
 __all__ = ["adapted_figure", "mapped_figure"]
 
-WIDTH, PICTURE, ROW = 13.0, 3.4, 0.42
-"""Inches: of the figure, of a picture in it, and the height of one means' row."""
-LETTERS = 28
+WIDTH, PICTURE, BARS, ROW = 13.0, 3.4, 1.6, 0.42
+"""Inches: of the figure, of a picture in it, of one criterion's bars across, and the height of one means' row."""
+LETTERS = 24
 """In a line of a means."""
 
 
@@ -56,16 +56,19 @@ def adapted_figure(
     """
     reference = reference or Reference()
     last = found.accepted or found.steps[-1]
-    figure = Drawing(figsize=(WIDTH, _height(system, ROW * len(found.steps))), facecolor="white")
+    names = [wrapped(step.means, LETTERS) for step in found.steps]
+    left = 0.45 + 2 * (PICTURE + 0.15) + max(text_width(name, 7.5) for name in names)
+    width = left + 3 * BARS + 0.55
+    figure = Drawing(figsize=(width, _height(system, ROW * len(found.steps))), facecolor="white")
     headline(figure, f"Into the gamut by the gentlest means: {found.verdict}")
     after = shade(system, last.palette) if last.mapped is None else last.mapped
     _draw_before_and_after(figure, system, palette, reference, after, f"{_name(found)}: {last.means}")
-    _draw_steps(figure, found)
+    _draw_steps(figure, found, left, names)
     text = (
         f"Asked: {found.criteria} (vertical lines). Green: met; vermilion: lacking. Inside: share of the object "
         f"pixels; ΔE2000: mean from the picture given; lightness: mean L* as a share of its. Against {found.note}."
     )
-    caption(figure, wrapped(text, 185))
+    caption(figure, wrapped(text, int(14 * width)))
     return figure
 
 
@@ -132,8 +135,8 @@ def _draw_before_and_after(
         picture_panel(figure, (0.25 + k * (PICTURE + 0.15), 0.8, PICTURE, tall), codes, title)
 
 
-def _draw_steps(figure: Drawing, found: Adapted) -> None:
-    """Three panels of bars, a row for each means."""
+def _draw_steps(figure: Drawing, found: Adapted, left: float, names: Sequence[str]) -> None:
+    """Three panels of bars, a row for each means; the first begins so many inches from the left."""
     asked = found.criteria
     panels = (
         ("inside, %", "inside", [100 * step.inside for step in found.steps], 100 * asked.least_inside),
@@ -145,14 +148,14 @@ def _draw_steps(figure: Drawing, found: Adapted) -> None:
             None if asked.least_lightness is None else 100 * asked.least_lightness,
         ),
     )
-    count, height = len(found.steps), figure.get_figheight()
+    (width, height), count = figure.get_size_inches(), len(found.steps)
     body = ROW * count
     for k, (label, criterion, values, bound) in enumerate(panels):
-        axes = figure.add_axes((0.7 + 0.1 * k, (height - 0.8 - body) / height, 0.088, body / height))
+        at = left + k * (BARS + 0.2)
+        axes = figure.add_axes((at / width, (height - 0.8 - body) / height, BARS / width, body / height))
         lacking = [criterion in asked.lacking(step) for step in found.steps]
         _draw_bars(axes, values, lacking, bound, label)
-        names = [wrapped(step.means, LETTERS) for step in found.steps] if k == 0 else []
-        axes.set_yticks(range(count) if names else [], names, fontsize=7.5)
+        axes.set_yticks(range(count), names if k == 0 else [""] * count, fontsize=7.5)
 
 
 def _draw_bars(
@@ -166,7 +169,9 @@ def _draw_bars(
         axes.axvline(bound, color=INK, lw=0.9, ls=(0, (3, 2)))
     right = 1.3 * max([*values, bound or 0.0, 1e-9])
     axes.set(xlim=(0, right), ylim=(len(values) - 0.5, -0.5))
-    axes.set_xticks([tick for tick in MaxNLocator(2).tick_values(0, right) if 0 <= tick <= 0.9 * right])
+    # Steps of 1, 2, 2.5 and 5 make three ticks at least, and the longest of four still stand apart.
+    ticks = [tick for tick in MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(0, right) if 0 <= tick <= right]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.tick_params(axis="y", length=0)
     axes.tick_params(axis="x", labelsize=7.5, color=HAIR)
     axes.spines[["top", "right", "left"]].set_visible(False)

@@ -69,7 +69,7 @@ def intersection_figure(gamut: SlabIntersection) -> Drawing:
         panel_title(panel(figure, solid, paper, side), "ab"[side], f"{title}: volume {solid.volume:.3g}")
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
     devices = " ".join(device_text(device) for device in gamut.devices)
-    caption(figure, wrapped(f"{gamut.name}. Components are those of {first.name}. {devices}", 175))
+    caption(figure, wrapped(f"What is {gamut.name}. Components are those of {first.name}. {devices}", 175))
     return figure
 
 

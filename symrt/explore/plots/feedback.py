@@ -14,11 +14,23 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from symrt.arrays import Spectrum
-from symrt.explore.plots.style import ABOVE, BELOW, FEASIBLE, HAIR, INK, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import (
+    ABOVE,
+    BELOW,
+    FEASIBLE,
+    HAIR,
+    INK,
+    Drawing,
+    caption,
+    caption_height,
+    headline,
+    wrapped,
+)
 from symrt.feedback.along import along_ends
 from symrt.feedback.asking import darker_than_black, inside_all
 from symrt.feedback.limits import Limits, limits
 from symrt.feedback.lines import line_of
+from symrt.feedback.parameters import Blend
 from symrt.feedback.reasons import Feasible
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.recipes import InkGamut
@@ -32,11 +44,15 @@ __all__ = ["curve_figure", "out_of_gamut_map", "ranges_figure"]
 REST = "#8fcfb9"
 """The same green, paler: feasible for the rest of the image only."""
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+LETTERS = 25
+"""In a line of a parameter's name."""
 Mask = Bool[np.ndarray, "height width"]
 MOST = 4000
 """Pixels that a hull, or inks, are asked about for a map."""
 ROW = 0.62
 """Height of one parameter's row in inches."""
+LEAST = 0.01
+"""Where the logarithmic axis of ranges from 0 begins."""
 
 
 def ranges_figure(
@@ -48,41 +64,54 @@ def ranges_figure(
 ) -> Drawing:
     """Feasible ranges as bars, and beside each the spectrum of the pixel that stops it, against the gamut's bound."""
     asked = limits(system, palette, gamut, reference)
-    height = ROW * len(ranges) + 2.1
+    text = wrapped(_ranges_words(ranges, asked), 175)
+    height = ROW * len(ranges) + caption_height(text) + 1.4
     figure = Drawing(figsize=(12.0, height), facecolor="white")
     headline(figure, f"Feasible ranges: {gamut.name}")
-    foot, body = 1.35 / height, ROW * len(ranges) / height
+    foot, body = (caption_height(text) + 0.65) / height, ROW * len(ranges) / height
     bars = figure.add_axes((0.17, foot, 0.36, body))
     _draw_bars(bars, ranges)
     for row, found in enumerate(ranges):
         top = foot + body * (1 - row / len(ranges))
         axes = figure.add_axes((0.56, top - 0.9 * body / len(ranges), 0.13, 0.8 * body / len(ranges)))
         _draw_reason(figure, axes, found, _binding(found, asked, system, palette, reference), asked)
-    bounds = ", in the gamut's bounds (shaded)" if _band_by_band(asked).any() else ""
-    text = (
-        "Bars: values that keep the picture inside (pale: that keep the rest of it inside). Curves: reflectance of the "
-        f"pixel that stops the range at its upper end{bounds}. {asked.note}."
-    )
-    caption(figure, wrapped(text, 175))
+    caption(figure, text)
     return figure
+
+
+def _ranges_words(ranges: Sequence[Feasible], asked: Limits) -> str:
+    bounds = ", in the gamut's bounds (shaded)" if _band_by_band(asked).any() else ""
+    blends = (
+        "A scale of 1 is as given; a blend is as given at 0 and wholly replaced at 1. "
+        if any(isinstance(found.parameter, Blend) for found in ranges)
+        else ""
+    )
+    begins = f"The logarithmic axis begins at {LEAST}. " if min(found.within[0] for found in ranges) < LEAST else ""
+    return (
+        "Bars: values that keep the picture inside (pale: that keep the rest of it inside). Curves: reflectance of the "
+        f"pixel that stops the range at its upper end{bounds}. {blends}{begins}Against {asked.note}."
+    )
 
 
 def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
     rows = np.arange(len(ranges))
     low, high = min(found.within[0] for found in ranges), max(found.within[1] for found in ranges)
-    left = max(low, 0.01)
+    left = max(low, LEAST)
     for row, found in zip(rows, ranges, strict=True):
         first, last = max(found.within[0], left), found.within[1]
         axes.plot([first, last], [row, row], color=HAIR, lw=1.0, zorder=1)
-        for a, b in found.intervals:
+        intervals = () if found.none_inside else found.intervals
+        for a, b in intervals:
             colour = FEASIBLE if found.verdict == "complete" else REST
-            axes.barh(row, b - max(a, left), left=max(a, left), height=0.5, color=colour, zorder=2)
-        value = f"{found.intervals[-1][1]:.3g}" if found.intervals else "none"
+            begin, end = max(a, left), max(b, left)
+            axes.barh(row, end - begin, left=begin, height=0.5, color=colour, zorder=2)
+        value = f"{intervals[-1][1]:.3g}" if intervals else "no pixel is inside" if found.intervals else "none"
         place: dict[str, Any] = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "bbox": PLATE}
-        axes.annotate(value, (found.high or first, row), fontsize=8.5, color=INK, zorder=4, **place)
+        at = max(intervals[-1][1], left) if intervals else first
+        axes.annotate(value, (at, row), fontsize=8.5, color=INK, zorder=4, **place)
     axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=3)
     axes.set(xscale="log", xlim=(left, 1.35 * high), ylim=(len(ranges) - 0.5, -0.5))
-    axes.set_yticks(rows, [str(found.parameter) for found in ranges], fontsize=9)
+    axes.set_yticks(rows, [wrapped(str(found.parameter), LETTERS) for found in ranges], fontsize=9)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.tick_params(axis="y", length=0)
@@ -95,7 +124,7 @@ def _binding(
 ) -> Spectrum | None:
     """Reflectance of the pixel that stops the range above, if one does; 0 where the reference does not light it."""
     reason = found.reasons[-1][1] if found.reasons else None
-    if reason is None or reason.x is None or reason.y is None:
+    if reason is None or reason.x is None or reason.y is None or found.none_inside:
         return None
     seen = reference or Reference()
     white = seen.white(system, palette)
@@ -119,6 +148,8 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
         reason = replace(reason, of="the gamut")
     words = wrapped("no value keeps it inside" if reason is None else str(reason), 56)
     more = found.verdict + (f", {left_out} of {found.objects} pixels left out" if left_out else "")
+    if found.none_inside:
+        words, more = "no value brings one inside", f"all {found.objects} pixels asked about are outside"
     text: dict[str, Any] = {
         "x": box.x1 + 0.012,
         "y": (box.y0 + box.y1) / 2,
@@ -163,27 +194,39 @@ def out_of_gamut_map(
     handles = [Patch(color=colour, label=label) for colour, label in zip((ABOVE, BELOW), labels, strict=True)]
     figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.99, 0.995), ncols=2, frameon=False, fontsize=9)
     blocks = f" One pixel in each block of {side} × {side} was asked about." if side > 1 else ""
-    caption(figure, wrapped(f"Shares of object pixels.{blocks} {asked.note}.", 100))
+    caption(figure, wrapped(f"Shares of object pixels.{blocks} Against {asked.note}.", 100))
     return figure
 
 
 def curve_figure(found: Feasible) -> Drawing:
     """The share of pixels outside the gamut against the value of a parameter, and the range that keeps it allowed."""
-    figure = Drawing(figsize=(8.0, 4.6), facecolor="white")
-    axes = figure.add_axes((0.1, 0.27, 0.86, 0.6))
+    text = wrapped(f"{_curve_words(found)} Against {found.note}.", 115)
+    foot = caption_height(text) + 0.62
+    figure = Drawing(figsize=(8.0, foot + 3.36), facecolor="white")
+    axes = figure.add_axes((0.1, foot / (foot + 3.36), 0.86, 2.76 / (foot + 3.36)))
     low, high = found.within
     inner = found.curve.values[(found.curve.values > low) & (found.curve.values < high)]
     # On both sides of each step, so that the drawn line has its corners where the steps are.
     t = np.unique(np.concatenate([[low], inner, np.nextafter(inner, high), np.linspace(low, high, 64), [high]]))
     axes.plot(t, 100 * found.curve.outside(t), color=INK, lw=1.4)
-    for a, b in found.intervals:
+    for a, b in () if found.none_inside else found.intervals:
         axes.axvspan(a, b, color=FEASIBLE, alpha=0.18, lw=0)
     axes.set(xlim=(low, high), xlabel=str(found.parameter), ylabel="object pixels outside, %")
     axes.set_ylim(bottom=0)
     axes.spines[["top", "right"]].set_visible(False)
     headline(figure, f"How much is outside: {found.parameter}")
-    caption(figure, wrapped(f"Shaded: feasible ({found.verdict}). {found.note}.", 115))
+    caption(figure, text)
     return figure
+
+
+def _curve_words(found: Feasible) -> str:
+    left_out = len(found.untouched_outside) + len(found.unfixable)
+    if found.none_inside:
+        return f"No pixel is inside: all {found.objects} asked about are outside whatever the value."
+    if found.verdict == "complete":
+        return "Shaded: feasible (complete)."
+    rest = f"{left_out} of {found.objects} pixels asked about are outside whatever the value"
+    return f"Shaded: feasible for the rest ({found.verdict}); {rest}."
 
 
 def _outside(system: LinearSystem, palette: Palette, asked: Limits) -> tuple[Mask, Mask, int]:

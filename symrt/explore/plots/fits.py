@@ -1,5 +1,6 @@
 """What a fit did: the picture before and after, each scale's factor, and what stopped it (step 5 of the paper)."""
 
+import math
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -7,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, text_width, wrapped
 from symrt.feedback.reasons import Fit
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -16,8 +17,8 @@ from symrt.system import LinearSystem
 
 __all__ = ["fit_figure"]
 
-WIDTH, PICTURE, ROW = 13.0, 3.4, 0.52
-"""Inches: of the figure, of a picture in it, and the height of one scale's row."""
+PICTURE, BARS, REASONS, ROW = 3.4, 1.75, 2.95, 0.52
+"""Inches: of a picture, of the bars and of the reasons across, and the height of one scale's row."""
 LETTERS = 46
 """In a line of a reason."""
 
@@ -52,23 +53,27 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
     tall = min(PICTURE, PICTURE * system.height / system.width)
     body = max(tall, ROW * len(found.values))
     height = body + 1.9
-    figure = Drawing(figsize=(WIDTH, height), facecolor="white")
+    names = [f"{name}  × {value:.3g}" for name, value in found.values.items()]
+    left = 0.5 + 2 * (PICTURE + 0.15) + max(0.9, *(text_width(name, 9) for name in names))
+    width = left + BARS + REASONS
+    figure = Drawing(figsize=(width, height), facecolor="white")
     headline(figure, f"The {found.objective} picture inside the gamut")
     for k, (name, colours) in enumerate((("given", palette), ("fitted", found.palette))):
         shown = preview(system, colours, reference.exposure, white=white)
         picture_panel(figure, (0.25 + k * (PICTURE + 0.15), 0.8, PICTURE, tall), shown, name)
-    bars = figure.add_axes((0.635, (height - 0.8 - body) / height, 0.13, body / height))
-    _draw_factors(bars, found)
+    bars = figure.add_axes((left / width, (height - 0.8 - body) / height, BARS / width, body / height))
+    _draw_factors(bars, found, names)
     _write_reasons(figure, bars, found)
     text = (
         f"Bars: factors of the scales (dashed: as given), and what stopped them. {found.share_out:.2%} of the object "
-        f"pixels are outside ({found.verdict}), and {found.luminance:.1%} of the mean luminance is kept. {found.note}."
+        f"pixels are outside ({found.verdict}), and {found.luminance:.1%} of the mean luminance is kept. "
+        f"Against {found.note}."
     )
-    caption(figure, wrapped(text, 185))
+    caption(figure, wrapped(text, int(14 * width)))
     return figure
 
 
-def _draw_factors(axes: Axes, found: Fit) -> None:
+def _draw_factors(axes: Axes, found: Fit, names: list[str]) -> None:
     left = max(found.within[0], 0.01)
     for row, value in enumerate(found.values.values()):
         shown = max(value, left)
@@ -78,11 +83,13 @@ def _draw_factors(axes: Axes, found: Fit) -> None:
     axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=1)
     span = [*(max(value, left) for value in found.values.values()), 0.8, 1.25]
     axes.set(xscale="log", xlim=(min(span) / 1.2, 1.2 * max(span)), ylim=(len(found.values) - 0.5, -0.5))
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.set_yticks(range(len(found.values)), [f"{name}  × {v:.3g}" for name, v in found.values.items()], fontsize=9)
+    long = math.log10(max(span) / min(span)) > 1
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if long else (1.0, 2.0, 5.0)))
+    axes.set_yticks(range(len(names)), names, fontsize=9)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="x", labelsize=8.5)
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.set_xlabel("factor", fontsize=9)
 
@@ -93,4 +100,4 @@ def _write_reasons(figure: Figure, axes: Axes, found: Fit) -> None:
     for row, name in enumerate(found.values):
         y = box.y1 - (row + 0.5) * box.height / count
         text: dict[str, Any] = {"va": "center", "fontsize": 7.5, "color": INK, "linespacing": 1.2}
-        figure.text(box.x1 + 0.01, y, wrapped(str(found.reasons[name]), LETTERS), **text)
+        figure.text(box.x1 + 0.13 / figure.get_figwidth(), y, wrapped(str(found.reasons[name]), LETTERS), **text)

@@ -11,6 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
 from symrt.explore.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, wrapped
@@ -30,6 +31,8 @@ LEVELS = (0.001, 0.01, 0.05, 0.2, 0.5)
 """Shares outside at which a contour is drawn."""
 MOST = 5
 """Places of the edge that are explained."""
+CLEAR = 18
+"""Points from the middle of a mark to that of what is written on a contour, at least."""
 SHORTEST = 0.03
 """Share of the edge's length that a reason must have to be explained."""
 Points = Float[np.ndarray, "point 2"]
@@ -75,7 +78,7 @@ def joint_region_figure(
     figure = Drawing(figsize=(12.0, 7.4), facecolor="white")
     headline(figure, f"Which pairs keep the picture inside: {found.one} × {found.other}")
     axes = figure.add_axes((0.065, 0.2, 0.5, 0.7))
-    _shade(figure, axes, found)
+    levels = _shade(figure, axes, found)
     _fill(axes, found)
     _frame_separate(axes, found)
     _frame_box(axes, found)
@@ -84,6 +87,7 @@ def joint_region_figure(
     _number(axes, [stop.place for stop in stops])
     (low, high), (bottom, top) = found.within
     axes.set(xlim=(low, high), ylim=(bottom, top), xlabel=str(found.one), ylabel=str(found.other))
+    _clear(axes, levels, [found.given, *(stop.place for stop in stops)])
     axes.set_xticks(_ticks(low, high, 6))
     axes.set_yticks(_ticks(bottom, top, 6))
     axes.spines[["top", "right"]].set_visible(False)
@@ -94,23 +98,31 @@ def joint_region_figure(
     return figure
 
 
-def _shade(figure: Figure, axes: Axes, found: JointRegion) -> None:
-    """How much of the picture is outside, from nothing to all of it."""
+def _shade(figure: Figure, axes: Axes, found: JointRegion) -> list[Text]:
+    """How much of the picture is outside, from nothing to all of it; what is written on the contours."""
     share = found.outside.T
     norm = PowerNorm(0.5, 0.0, max(0.01, float(share.max())))
     mesh = axes.pcolormesh(
         found.values, found.across, share, cmap=OUTSIDE, norm=norm, shading="gouraud", rasterized=True, zorder=0
     )
-    levels = [level for level in LEVELS if share.min() < level < share.max()]
+    levels, written = [level for level in LEVELS if share.min() < level < share.max()], []
     if levels:
         lines = axes.contour(found.values, found.across, share, levels=levels, colors=[GREY], linewidths=0.6, zorder=1)
-        axes.clabel(lines, fmt=lambda level: f"{level:.1%}".replace(".0%", "%"), fontsize=7.5, colors=INK)
+        written = axes.clabel(lines, fmt=lambda level: f"{level:.1%}".replace(".0%", "%"), fontsize=7.5, colors=INK)
     strip = figure.add_axes((0.575, 0.2, 0.012, 0.7))
     ticks = _ticks(0.0, norm.vmax or 1.0, 4)
     bar = figure.colorbar(mesh, cax=strip, ticks=ticks, format=lambda level, _: f"{100 * level:.3g}%")
     bar.outline.set_visible(False)
     strip.tick_params(labelsize=7.5, length=2)
     strip.set_title("outside", fontsize=8, loc="left", pad=4)
+    return list(written)
+
+
+def _clear(axes: Axes, written: Sequence[Text], places: Sequence[tuple[float, float]]) -> None:
+    """Hide what is written on a contour where a mark lies on it."""
+    for text in written:
+        away = axes.transData.transform([*places, text.get_position()]) * 72 / axes.figure.dpi
+        text.set_visible(bool(np.hypot(*(away[:-1] - away[-1]).T).min() > CLEAR))
 
 
 def _ticks(low: float, high: float, most: int) -> list[float]:
@@ -274,6 +286,6 @@ def _words(found: JointRegion) -> str:
     rest = f" {left_out} of {found.objects} object pixels are outside whatever the pair." if left_out else ""
     text = (
         f"Of all these pairs {_percent(found.share)} keep it inside; certified on {len(found.values)} upright lines, "
-        f"joined between them.{rest} {found.note}."
+        f"joined between them.{rest} Against {found.note}."
     )
     return wrapped(text, 175)
