@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -73,11 +74,17 @@ def case():
     return Case()
 
 
+@cache
+def drawn(case, name):
+    return FIGURES[name](case)
+
+
 @pytest.fixture(scope="module", params=FIGURES)
 def figure(request, case):
-    return FIGURES[request.param](case)
+    return drawn(case, request.param)
 
 
+@cache
 def rendered(figure):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
@@ -133,9 +140,9 @@ def test_every_sentence_of_a_caption_begins_with_a_capital(figure):
     assert not re.search(r"\. [a-z]", said), said
 
 
-@pytest.mark.parametrize("components", [(0, 1, 2), (0, 3, 4)])
-def test_a_segment_that_is_never_inside_is_named_at_its_given_point(case, components):
-    left, right, *_ = plots.gamut_figure(case.hull, case.palette, components=components).axes
+@pytest.mark.parametrize("which", ["no segment of a hull inside", "a slim body"])
+def test_a_segment_that_is_never_inside_is_named_at_its_given_point(case, which):
+    left, right, *_ = drawn(case, which).axes
     given = {name.get_text(): name.xy for name in right.texts if isinstance(name, Annotation)}
     named = {name.get_text(): name.xy for name in left.texts if isinstance(name, Annotation)}
     for name in UNREACHED:
@@ -144,7 +151,7 @@ def test_a_segment_that_is_never_inside_is_named_at_its_given_point(case, compon
 
 
 def test_the_name_of_the_upright_axis_lies_above_all_else(case):
-    for axes in plots.gamut_figure(case.hull, case.palette, components=(0, 3, 4)).axes[:2]:
+    for axes in drawn(case, "a slim body").axes[:2]:
         (name,) = (text for text in axes.texts if "neutral" in text.get_text())
         assert name.get_path_effects()
         assert all(name.zorder > other.zorder for other in axes.get_children() if other is not name)
@@ -173,7 +180,7 @@ def test_labels_in_a_room_are_the_nearest_that_keep_their_distance_in_it():
 
 
 def test_a_blend_among_ranges_has_its_scale_explained(case):
-    said = words(case.ranges(rt.Blend("upland", "ice"), rt.Scale("brass")))
+    said = words(drawn(case, "a blend's range"))
     assert "a blend is as given at 0 and wholly replaced at 1" in said
     assert "axis begins at 0.01" in said
     said = words(case.ranges(rt.Scale("brass")))
@@ -182,7 +189,7 @@ def test_a_blend_among_ranges_has_its_scale_explained(case):
 
 
 def test_bars_of_the_means_tried_have_three_ticks_at_least(case):
-    bars = [axes for axes in case.adapted().axes if axes.patches]
+    bars = [axes for axes in drawn(case, "means tried").axes if axes.patches]
     assert len(bars) == 3
     for axes in bars:
         right = axes.get_xlim()[1]
