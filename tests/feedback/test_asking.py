@@ -20,7 +20,8 @@ from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
 from symrt.system import Interaction, LinearSystem
 
-IMAGE, SMALL, COLOURS = system(height=8, width=8, seed=3), system(height=3, width=4, seed=3), palette(seed=3)
+IMAGE, SMALL, COLOURS = system(height=6, width=6, seed=3), system(height=2, width=4, seed=3), palette(seed=3)
+LARGER = system(height=8, width=8, seed=3)
 MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")
 GAMUTS = {
     m: device_gamut(load_device("crt-brainard" if m == "monitor" else "synthetic-cmyk", BANDS), m) for m in MODELS
@@ -131,18 +132,18 @@ def test_the_least_share_outside_is_named_where_no_value_serves_all():
 @pytest.mark.parametrize("model", ["monitor", "colorimetric"])
 def test_ends_are_inside_in_exact_rationals_where_weights_have_both_signs(model, name):
     parameter = PARAMETERS[name]
-    asked = limits(IMAGE, COLOURS, GAMUTS[model])
+    asked = limits(LARGER, COLOURS, GAMUTS[model])
     bound = asked.solids[0].bound if asked.solids else asked.upper
-    found = feasible(IMAGE, COLOURS, GAMUTS[model], parameter, allowed_out=0.5, cap=False)
+    found = feasible(LARGER, COLOURS, GAMUTS[model], parameter, allowed_out=0.5, cap=False)
     outside = set(found.untouched_outside.tolist()) | set(found.unfixable.tolist())
-    line = along(IMAGE, COLOURS, parameter)
-    pixels = np.setdiff1d(np.flatnonzero(line.touched & IMAGE.object_pixels), sorted(outside))
+    line = along(LARGER, COLOURS, parameter)
+    pixels = np.setdiff1d(np.flatnonzero(line.touched & LARGER.object_pixels), sorted(outside))
     spans = spans_inside_all(line, asked, pixels[:10], found.within)
     assert len(spans.pixel) > 3
     for pixel, *ends in zip(pixels[spans.pixel], spans.low, spans.high, strict=True):
         for t in ends:
-            moving = moved_ends(IMAGE, COLOURS, parameter)
-            radiance = exact_pixel(IMAGE.G[[pixel]], IMAGE.interactions, moving, Fraction(float(t)))
+            moving = moved_ends(LARGER, COLOURS, parameter)
+            radiance = exact_pixel(LARGER.G[[pixel]], LARGER.interactions, moving, Fraction(float(t)))
             for column, a, b in zip(bound.matrix.T, bound.lower, bound.upper, strict=True):
                 value = sum(Fraction(float(w)) * r for w, r in zip(column, radiance, strict=True))
                 assert a == -np.inf or value >= Fraction(float(a))

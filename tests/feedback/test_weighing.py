@@ -56,7 +56,7 @@ def test_weighted_shares_are_those_of_a_dense_count(parameter, share, question):
     weight = importance(question)
     assert found.objects == np.count_nonzero(weight)
     seen = []
-    for t in np.linspace(*found.within, 60):
+    for t in np.linspace(*found.within, 23):
         out = share_out(parameter, t, weight)
         assert found.curve.outside(np.array([t]))[0] == pytest.approx(out, abs=1e-9)
         held = any(low <= t <= high for low, high in found.intervals)
