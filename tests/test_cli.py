@@ -43,6 +43,8 @@ BAD_WORDS = [
     ["render", "first", "--out", "first.png"],
     ["render", "first", "--out", "."],
     ["render", "first.npz"],
+    ["render", "globe", "--size", "8", "--alternative", "brass"],
+    ["render", "globe", "--size", "8", "--alternative", "brass:nope"],
     ["formula", "first", "--x", "999", "--y", "0"],
     ["formula", "first", "--x", "-1", "--y", "0"],
     ["formula", "first", "--x", "1"],

@@ -32,6 +32,7 @@ __all__ = [
     "gamut_of",
     "gamuts_of",
     "is_file",
+    "pairs_of",
     "palette_of",
     "parameter_of",
     "scale_of",
@@ -106,6 +107,23 @@ def alternatives_of(scene: "Scene", asked: Sequence["Parameter"]) -> dict[str, l
     for material, other in dict.fromkeys(pairs):
         if material in made and other in made and made[material] != made[other]:
             found.setdefault(material, []).append(other)
+    return found
+
+
+def pairs_of(words: Sequence[str]) -> dict[str, list[str]]:
+    """For each material the others that it may be blended with, from words such as ``brass:deep``.
+
+    Examples
+    --------
+    >>> pairs_of(["brass:deep", "brass:ice"])
+    {'brass': ['deep', 'ice']}
+    """
+    found: dict[str, list[str]] = {}
+    for word in words:
+        material, _, other = word.partition(":")
+        if not (material and other):
+            raise ValueError(f"--alternative {shown(word)}: write FROM:TO, two materials, such as brass:deep")
+        found.setdefault(material, []).append(other)
     return found
 
 

@@ -9,7 +9,7 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import formula_of, palette_of, scene_of, system_of, writable
+from symrt.commands.arguments import formula_of, pairs_of, palette_of, scene_of, system_of, writable
 from symrt.explore.writing import json_text
 
 __all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
@@ -46,6 +46,10 @@ def render(
     out: option.SystemOut = None,
     size: option.Size = None,
     samples: Annotated[int | None, typer.Option(help="n for n × n samples a pixel.")] = None,
+    alternative: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FROM:TO", help="Trace also what a blend of two unlike materials needs; repeatable."),
+    ] = None,
     workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
     as_json: option.Json = False,
 ) -> None:
@@ -58,7 +62,8 @@ def render(
     out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz")
     if workers is not None and workers < 1:
         raise ValueError(f"--workers {workers}: at least one thread works")
-    system = rt.render(scene_of(scene, size, samples), workers=workers)
+    asked = pairs_of(alternative or ())
+    system = rt.render(scene_of(scene, size, samples), workers=workers, alternatives=asked)
     rt.save_system(out, system)
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}

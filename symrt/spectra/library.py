@@ -110,7 +110,8 @@ def _look_up(key: str, name: str) -> tuple[str, Float[np.ndarray, " n"], Float[n
             short.setdefault(_key(part), []).append(full)
     matches = [known[key]] if key in known else short.get(key, [])
     if len(matches) != 1:
-        near = matches or difflib.get_close_matches(key, known, n=3, cutoff=0.5)
+        bare = [name for name in known if name.partition("/")[2] == key]
+        near = matches or bare or difflib.get_close_matches(key, known, n=3, cutoff=0.5)
         hint = (
             f"did you mean {', '.join(known.get(n, n) for n in near)}?" if near else "see symrt.spectra.library.names()"
         )

@@ -88,6 +88,12 @@ def test_blends_are_rendered_with_the_columns_that_they_need(run):
     assert [record["within"] for record in records] == [[0, 1], [0, 1]]
     assert [record["parameter"] for record in records] == ["blend from upland to ice", "blend from deep to ice"]
     assert all(record["intervals"] for record in records)
+    assert run("render", "globe", *SMALL, "--alternative", "deep:ice", "--out", "globe.npz")[0] == 0
+    saved = run(
+        "feasible", "globe.npz", "--palettes", "globe", "--palette", "macbeth", "-p", "blend:deep:ice", "--json"
+    )
+    (record,) = json.loads(saved[1])
+    assert record["intervals"] == records[1]["intervals"]
 
 
 def test_fit_answers_as_the_library_does_and_writes_its_picture(run, tmp_path, system):

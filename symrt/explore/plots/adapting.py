@@ -52,7 +52,7 @@ def adapted_figure(
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
     >>> found = adapt(system, palette, device_gamut(device, "envelope"), [Scale("sea")])
     >>> adapted_figure(found, system, palette).get_suptitle()
-    'Into the gamut by the gentlest means: reached'
+    'Into the gamut by the simplest means: reached'
     """
     reference = reference or Reference()
     last = found.accepted or found.steps[-1]
@@ -60,7 +60,7 @@ def adapted_figure(
     left = 0.45 + 2 * (PICTURE + 0.15) + max(text_width(name, 7.5) for name in names)
     width = left + 3 * BARS + 0.55
     figure = Drawing(figsize=(width, _height(system, ROW * len(found.steps))), facecolor="white")
-    headline(figure, f"Into the gamut by the gentlest means: {found.verdict}")
+    headline(figure, f"Into the gamut by the simplest means: {found.verdict}")
     after = shade(system, last.palette) if last.mapped is None else last.mapped
     _draw_before_and_after(figure, system, palette, reference, after, f"{_name(found)}: {last.means}")
     _draw_steps(figure, found, left, names)
