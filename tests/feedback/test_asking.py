@@ -23,6 +23,7 @@ from symrt.system import Interaction, LinearSystem
 IMAGE, SMALL, COLOURS = system(height=6, width=6, seed=3), system(height=2, width=4, seed=3), palette(seed=3)
 LARGER = system(height=8, width=8, seed=3)
 MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")
+SLOW = {"hull", "inks"}
 GAMUTS = {
     m: device_gamut(load_device("crt-brainard" if m == "monitor" else "synthetic-cmyk", BANDS), m) for m in MODELS
 }
@@ -56,8 +57,14 @@ def lighter_than_black(image, gamut, parameter, now):
     return objects[(seen(image, parameter, now) @ weights)[objects] >= black]
 
 
-@pytest.mark.parametrize("name", PARAMETERS)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [
+        pytest.param(m, n, marks=[pytest.mark.exhaustive] * (m in SLOW and n in {"light", "material"}))
+        for m in MODELS
+        for n in PARAMETERS
+    ],
+)
 def test_the_range_is_that_of_the_pixels_that_some_value_brings_inside(model, name):
     """§2.3 of the paper: a parameter's segment is clipped for every pixel, whatever the gamut."""
     image, gamut, parameter = asked(model), GAMUTS[model], PARAMETERS[name]

@@ -61,7 +61,7 @@ def merit(goal, found):
 
 @pytest.mark.parametrize(
     ("goal", "share"),
-    [*((goal, share) for goal in GOALS[:3] for share in (0.004, 0.03, 0.2)), *((g, 0.03) for g in GOALS[3:])],
+    [*((goal, share) for goal in GOALS[:3] for share in (0.004, 0.2)), *((g, 0.03) for g in GOALS[3:])],
 )
 def test_exactly_the_pixels_named_are_outside_and_it_is_never_worse_than_with_none(goal, share):
     options = {"objective": goal, "cap": False, "least_luminance": 0}
@@ -77,7 +77,7 @@ def test_exactly_the_pixels_named_are_outside_and_it_is_never_worse_than_with_no
     assert f"{len(found.left_out)} of {len(OBJECTS)} object pixels are left outside, as allowed." in repr(found)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.01, 0.3])
+@pytest.mark.parametrize("share", [0.0, 0.3])
 @pytest.mark.parametrize("name", ["key", "brass", "ice"])
 def test_a_single_scale_ends_where_its_range_does(name, share):
     alone = feasible(MIRRORED, COLOURS, ENVELOPE, Scale(name), allowed_out=share, cap=False)
