@@ -30,8 +30,8 @@ def spectra(gamut):
     samples = (
         np.vstack([device.samples for device in gamut.devices]) if gamut.devices else draw.uniform(0, 0.6, (99, bands))
     )
-    prints = samples[draw.integers(0, len(samples), 15)]
-    far = draw.uniform(-0.5, 1.5, (12, bands)) * draw.choice([1, 20], (12, 1))
+    prints = samples[draw.integers(0, len(samples), 8)]
+    far = draw.uniform(-0.5, 1.5, (8, bands)) * draw.choice([1, 20], (8, 1))
     greys = np.linspace(-0.1, 1.1, 7)[:, None] * np.ones(bands)
     return np.vstack([far, greys, prints, prints + draw.normal(0, 0.02, prints.shape)])
 
