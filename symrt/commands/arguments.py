@@ -190,7 +190,7 @@ def bands_of(word: str) -> "Bands":
 
 def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -> "AnyGamut | AnyIntersection":
     if is_file(word):
-        if any(kind):
+        if any(value is not None for value in kind):
             raise ValueError(
                 f"{word}: a saved gamut has its model and all that goes with it: leave out --model, --black, --light "
                 "and --tolerance"

@@ -36,8 +36,9 @@ def test_gamut_facts_are_the_librarys(run, tmp_path, written):
     for name in ("hull.npz", "colorimetric.npz"):
         assert run("gamut", "--device", name, "--plot", f"{name}.png")[0] == 0
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
-    code, out, err = run("gamut", "--device", "g.npz", "--model", "unit")
-    assert (code, out, err.count("\n")) == (2, "", 1)
+    for words in (["--model", "unit"], ["--tolerance", 0.0], ["--light", "illuminant/A"], ["--black", "clip"]):
+        code, out, err = run("gamut", "--device", "g.npz", *words)
+        assert (code, out, err.count("\n")) == (2, "", 1)
 
 
 @pytest.mark.filterwarnings("always:chart.txt")
