@@ -208,9 +208,9 @@ class Spotlight:
     def __init__(self, bulb):
         self.bulb, self.name, self.shadows = bulb, bulb.name, True
 
-    def illuminate(self, points):
-        plain = self.bulb.illuminate(points)
-        return replace(plain, falloff=plain.falloff * np.clip(plain.direction[1], 0, 1) ** 8)
+    def samples(self, points):
+        plain = self.bulb.samples(points)[0]
+        return (replace(plain, falloff=plain.falloff * np.clip(plain.direction[1], 0, 1) ** 8),)
 
 
 # --- The files that they need ---------------------------------------------------------------------------------------

@@ -1,58 +1,38 @@
 """Step 2: collapse a ray tree into a linear system, equation (2) of the paper.
 
-A path from the eye has met a product of mirrors and carries a number; each of its points adds, for each light and each
-term of its material's formula, ``path · weight · irradiance · visible · c_k`` to the column of that light and those
-reflectances.  All points of a material are done at once.
+A path from the eye has met a product of reflectances and carries a number; each of its points adds, for each sample of
+a light and each term of its material's formula, ``path · weight · irradiance · visible · c_k`` to the column of that
+light and those reflectances.  All points of a material are done at once.
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from symrt.linear.compiled import Compiled
+from symrt.errors import require
 from symrt.linear.matrix import Entries, assemble
+from symrt.linear.paths import (
+    NOWHERE,
+    VANISHED,
+    Index,
+    Passing,
+    Paths,
+    Product,
+    commuting,
+    continued,
+    from_the_eye,
+    in_order,
+    passing,
+)
 from symrt.linear.program import Free, Program, Values, make_program
-from symrt.reflection.polynomials import Monomial
 from symrt.system import Interaction, LinearSystem, Tail
-from symrt.tracing.raytree import Level, Points, RayTree
-
-__all__ = ["collapse", "run"]
-
-Index = Int[np.ndarray, " entry"]
+from symrt.tracing.raytree import Emitted, Level, Lit, Points, RayTree
 
 
-@dataclass(frozen=True, eq=False)
-class Paths:
-    """Paths from the eye to the hits of one level.
-
-    Parameters
-    ----------
-    hit
-        Where each path ends, ascending; a hit that several products lead to stands several times.
-    product
-        Index into `products`: the mirrors it met.
-    coefficient
-        Product of the numbers on the way.
-    """
-
-    hit: Int[np.ndarray, " path"]
-    product: Int[np.ndarray, " path"]
-    coefficient: Float[np.ndarray, " path"]
-    products: tuple[Monomial, ...]
-
-    def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
-        """For each pair of a point and a path that leads to it: the point's place in `hit`, and the path."""
-        size = int(max(self.hit.max(initial=-1), hit.max(initial=-1))) + 1
-        count = np.bincount(self.hit, minlength=size)[hit]
-        first = np.searchsorted(self.hit, hit)
-        which = np.repeat(np.arange(hit.size), count)
-        within = np.arange(which.size) - np.repeat(np.cumsum(count) - count, count)
-        return which, first[which] + within
-
-
-def collapse(tree: RayTree, values: Values | None = None, free: Free = ()) -> LinearSystem:
+def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, ordered: bool = False) -> LinearSystem:
     """Collapse geometry and nonlinear parts, which leaves a linear system in lights and reflectances.
 
     Parameters
@@ -62,6 +42,10 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = ()) -> Li
     free
         Parameters that stay free, by interpolation between nodes: their names, for a range from a quarter to four
         times their value, or a mapping to ``(low, high)``.
+    ordered
+        Whether interactions keep the order in which light met the reflectances, from the light to the eye: ``sun *
+        sea.diffuse * chrome.mirror`` is then the sea seen in the chrome.  Otherwise they are sorted, and what differs
+        in order only is one column.
 
     Examples
     --------
@@ -72,25 +56,47 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = ()) -> Li
     ['sun*red.diffuse', 'sun*red.specular']
     """
     start = time.perf_counter()
+    require("tree", tree, RayTree, "a RayTree, trace(scene)")
     program = make_program(tree.materials, values, free)
-    system = run(program, tree)
+    system = run(program, tree, ordered=ordered)
     return replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
 
 
-def run(program: Program, tree: RayTree) -> LinearSystem:
+@dataclass(frozen=True, eq=False)
+class Gathering:
+    """What a collapse works with: its program, its tree, what reflectances' products are, and what it has found."""
+
+    program: Program
+    tree: RayTree
+    product: Product
+    entries: Entries = field(default_factory=Entries)
+    tail: Entries = field(default_factory=Entries)
+
+
+def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSystem:
     """Evaluate a compiled program on the numbers of a tree."""
-    entries, tail = Entries(), Entries()
-    paths = _camera_paths(tree)
-    for depth, level in enumerate(tree.levels):
+    found = Gathering(program, tree, in_order if ordered else commuting)
+    paths = from_the_eye(tree.levels[0], tree.film) if tree.levels else NOWHERE
+    for level, below in zip_longest(tree.levels, tree.levels[1:]):
+        # What reaches the eye from the points of this level.
         for points in level.points:
-            compiled = program.compiled[points.material]
-            _add_direct(tree, compiled["direct"], level, points, paths, entries)
-            _add_ambient(tree, compiled["ambient"], level, points, paths, entries)
-        if depth == tree.depth:
-            _cut_off(tree, program, level, paths, tail)
-        elif depth + 1 < len(tree.levels):
-            paths = _onwards(program, level, tree.levels[depth + 1], paths)
-    matrix, interactions = assemble(entries, tree.width * tree.height)
+            for lit in points.lit:
+                _add_lit(found, level, points, lit, paths)
+            for lit in points.cut:
+                _bound_lit(found, level, points, lit, paths)
+        for emitted in level.emitted:
+            _add_emitted(found, level, emitted, paths)
+
+        # What further rays would have brought is bounded; what they do bring is found on the level below.
+        for branch in level.cut:
+            for part in passing(program, level, branch, paths):
+                value = np.where(part.vanished, VANISHED, np.abs(part.value))
+                _bound(found, paths, part, _pixel(tree, level, branch.parent[part.ray]), value)
+        if below is not None:
+            paths = _onwards(found, level, below, paths)
+
+    matrix, interactions = assemble(found.entries, tree.width * tree.height)
+    reflected = (sum((program.sent[via][place] for via in vias), ()) for place, vias in tree.sending.items())
     return LinearSystem(
         G=matrix,
         interactions=interactions,
@@ -99,102 +105,70 @@ def run(program: Program, tree: RayTree) -> LinearSystem:
         white=tree.white,
         models=program.signatures,
         parameters=program.nodes,
-        tail=Tail(
-            *assemble(tail, tree.width * tree.height), tuple(program.reflected[name] for name in tree.reflecting)
-        ),
+        tail=Tail(*assemble(found.tail, tree.width * tree.height), tuple(reflected)),
     )
 
 
-def _camera_paths(tree: RayTree) -> Paths:
-    size = tree.levels[0].size if tree.levels else 0
-    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), np.full(size, 1 / tree.samples**2), ((),))
+def _pixel(tree: RayTree, level: Level, hit: Index) -> Index:
+    return tree.film.pixel[level.sample[hit]]
 
 
-def _add_direct(
-    tree: RayTree, compiled: Compiled, level: Level, points: Points, paths: Paths, entries: Entries
-) -> None:
-    pixel = level.sample[points.hit] // tree.samples**2
-    for lit in points.lit:
-        point = lit.point
-        factors = {name: values[point] for name, values in points.view.items()} | dict(lit.factors)
-        arriving = points.weight[point] * lit.irradiance * lit.visible
-        which, path = paths.to(points.hit[point])
-        carried = paths.coefficient[path] * arriving[which]
-        for (met, nodes), c in zip(compiled.terms, compiled.coefficients(factors, point.size), strict=True):
-            columns = [Interaction(lit.light, tuple(sorted(product + met)), nodes) for product in paths.products]
-            entries.add(columns, paths.product[path], pixel[point][which], carried * c[which])
-
-
-def _add_ambient(
-    tree: RayTree, compiled: Compiled, level: Level, points: Points, paths: Paths, entries: Entries
-) -> None:
-    ambient = [light for light, everywhere in tree.lights.items() if everywhere]
-    if not ambient or not compiled.terms:
+def _add_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Paths) -> None:
+    """Add what one sample of a light gives the eye by way of one material."""
+    compiled = found.program.compiled[points.material][lit.via]
+    if not compiled.terms:
         return
-    pixel = level.sample[points.hit] // tree.samples**2
-    which, path = paths.to(points.hit)
-    carried = paths.coefficient[path] * points.weight[which]
-    coefficients = compiled.coefficients(points.view, points.hit.size)
-    for light in ambient:
-        for (met, nodes), c in zip(compiled.terms, coefficients, strict=True):
-            columns = [Interaction(light, tuple(sorted(product + met)), nodes) for product in paths.products]
-            entries.add(columns, paths.product[path], pixel[which], carried * c[which])
+    point = lit.point
+    which, path, carried = _arriving(points, lit, paths)
+    pixel = _pixel(found.tree, level, points.hit[point])
+    factors = {name: values[point] for name, values in points.view.items()} | dict(lit.factors)
+    for (met, nodes), c in zip(compiled.terms, compiled.coefficients(factors, point.size), strict=True):
+        columns = [Interaction(lit.light, found.product(product, met), nodes) for product in paths.products]
+        found.entries.add(columns, paths.product[path], pixel[which], carried * c[which])
 
 
-def _onwards(program: Program, level: Level, below: Level, paths: Paths) -> Paths:
-    """The paths that mirrors send on to the hits of the level below."""
-    child_of = np.full(level.size, -1)
-    child_of[below.parent] = np.arange(below.size)
-    products: dict[Monomial, int] = {}
-    hit, product, coefficient = [], [], []
-    for points, met, which, path, value in _reflections(program, level, paths):
-        child = child_of[points.hit[which]]
-        present = np.flatnonzero((child >= 0) & (value != 0))
-        renumbered = [products.setdefault(tuple(sorted(before + met)), len(products)) for before in paths.products]
-        hit.append(child[present])
-        product.append(np.array(renumbered)[paths.product[path[present]]])
-        coefficient.append(value[present])
-    order = np.argsort(np.concatenate(hit), kind="stable")
-    hits, numbers, values = (np.concatenate(parts)[order] for parts in (hit, product, coefficient))
-    return _merged(Paths(hits, numbers, values, tuple(products)))
+def _bound_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Paths) -> None:
+    """Bound what a sample of a light adds or takes away that belongs to an effect which was left out."""
+    which, path, carried = _arriving(points, lit, paths)
+    brightest = found.program.brightest[lit.via]
+    columns = [Interaction(lit.light, product) for product in paths.products]
+    pixel = _pixel(found.tree, level, points.hit[lit.point])
+    found.tail.add(columns, paths.product[path], pixel[which], np.abs(carried) * brightest)
 
 
-def _merged(paths: Paths) -> Paths:
-    """Add up paths that lead to one hit by one product: two terms would else double them at each bounce."""
-    key = paths.hit * len(paths.products) + paths.product
-    _, first, same = np.unique(key, return_index=True, return_inverse=True)
-    if first.size == key.size:
-        return paths
-    # In the order in which they were found, which no tile changes.
-    order = np.argsort(first)
-    total = np.bincount(same, weights=paths.coefficient)[order]
-    return Paths(paths.hit[first[order]], paths.product[first[order]], total, paths.products)
+def _arriving(points: Points, lit: Lit, paths: Paths) -> tuple[Index, Index, Float[np.ndarray, " entry"]]:
+    """For each pair of a point that a light's sample reaches and a path to it: both, and the number they carry."""
+    arriving = points.weight[lit.point] * lit.irradiance * lit.visible
+    which, path = paths.to(points.hit[lit.point])
+    return which, path, paths.coefficient[path] * arriving[which]
 
 
-def _cut_off(tree: RayTree, program: Program, level: Level, paths: Paths, tail: Entries) -> None:
-    """Bound what the mirrors of the last level would have shown: at most the brightest surface there can be."""
-    for points, met, which, path, value in _reflections(program, level, paths):
-        pixel = level.sample[points.hit[which]] // tree.samples**2
-        for light, everywhere in tree.lights.items():
-            brightest = program.brightest["ambient" if everywhere else "direct"]
-            columns = [Interaction(light, tuple(sorted(product + met))) for product in paths.products]
-            # Nothing times an unknown irradiance is nothing.
-            present = value != 0 if brightest else np.zeros(value.size, dtype=bool)
-            unseen = np.abs(value[present]) * (brightest * tree.irradiance[light])
-            tail.add(columns, paths.product[path[present]], pixel[present], unseen)
+def _add_emitted(found: Gathering, level: Level, emitted: Emitted, paths: Paths) -> None:
+    """Add what hits send to the eye by themselves."""
+    which, path = paths.to(emitted.hit)
+    columns = [Interaction(emitted.light, product) for product in paths.products]
+    pixel = _pixel(found.tree, level, emitted.hit)
+    found.entries.add(columns, paths.product[path], pixel[which], paths.coefficient[path] * emitted.radiance[which])
 
 
-def _reflections(
-    program: Program, level: Level, paths: Paths
-) -> list[tuple[Points, Monomial, Index, Index, Float[np.ndarray, " entry"]]]:
-    """For each term that a material reflects by: its points, the mirrors in it, and the paths through them."""
-    found = []
-    for points in level.points:
-        compiled = program.compiled[points.material]["reflected"]
-        if not compiled.terms:
-            continue
-        which, path = paths.to(points.hit)
-        carried = paths.coefficient[path] * points.weight[which]
-        for (met, _), c in zip(compiled.terms, compiled.coefficients(points.view, points.hit.size), strict=True):
-            found.append((points, met, which, path, carried * c[which]))
-    return found
+def _onwards(found: Gathering, level: Level, below: Level, paths: Paths) -> Paths:
+    """The paths on to the level below; those whose numbers underflowed to zero on the way are bounded."""
+    parts = [list(passing(found.program, level, branch, paths)) for branch in below.branches]
+    for branch, of_branch in zip(below.branches, parts, strict=True):
+        for part in of_branch:
+            if part.vanished.any():
+                pixel = _pixel(found.tree, level, branch.parent[part.ray])
+                _bound(found, paths, part, pixel, np.where(part.vanished, VANISHED, 0.0))
+    return continued(below, parts, paths, found.product)
+
+
+def _bound(found: Gathering, paths: Paths, part: Passing, pixel: Index, value: Float[np.ndarray, " entry"]) -> None:
+    """Bound what rays might have brought: at most the brightest surface there can be, in the light of each light."""
+    present = np.flatnonzero(value)
+    for name, light in found.tree.lights.items():
+        brightest = found.program.brightest[light.via]
+        # Nothing times an unknown irradiance is nothing.
+        if brightest:
+            columns = [Interaction(name, found.product(product, part.met)) for product in paths.products]
+            unseen = value[present] * (brightest * light.bound)
+            found.tail.add(columns, paths.product[part.path[present]], pixel[present], unseen)

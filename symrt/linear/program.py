@@ -7,6 +7,7 @@ import numpy as np
 
 from symrt.linear.bounds import largest
 from symrt.linear.compiled import Compiled, compile_formula
+from symrt.reflection.models import FORMULAS, LIT
 from symrt.reflection.nodes import choose_nodes
 from symrt.reflection.polynomials import monomials
 from symrt.system import Nodes, Shares
@@ -28,16 +29,17 @@ class Program:
     nodes
         Of the parameters that stayed free.
     brightest
-        Upper bounds of the materials' ``direct`` and ``ambient`` formulas.
-    reflected
-        For each material the terms of what it reflects, with the largest coefficients there can be.
+        Upper bounds of the materials' formulas that lights meet, ``direct`` and ``ambient``.
+    sent
+        For each formula that further rays meet, and each material, its terms with the largest coefficients there can
+        be.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
     signatures: Mapping[str, str]
     nodes: Mapping[str, Nodes]
     brightest: Mapping[str, float]
-    reflected: Mapping[str, Shares]
+    sent: Mapping[str, Mapping[str, Shares]]
 
 
 def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
@@ -57,8 +59,8 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
-        brightest={field: _brightest(field, materials, nodes) for field in ("direct", "ambient")},
-        reflected=_reflected(materials, nodes),
+        brightest={field: _brightest(field, materials, nodes) for field in LIT},
+        sent={field: _sent(field, materials, nodes) for field in FORMULAS if field not in LIT},
     )
 
 
@@ -106,11 +108,11 @@ def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> 
     return max(bounds.values(), default=0.0)
 
 
-def _reflected(materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, Shares]:
+def _sent(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, Shares]:
     shares: dict[str, Shares] = {}
     for name, record in materials.items():
         ranges = _ranges(name, record, nodes)
-        terms = monomials(record.model.reflected).items()
+        terms = monomials(record.model.formulas[field]).items()
         own = tuple((tuple(f"{name}.{component}" for component in met), largest(c, ranges)) for met, c in terms)
         shares[_place(name)] = shares.get(_place(name), ()) + own
     return shares
@@ -132,6 +134,6 @@ def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> 
         field: compile_formula(formula, name, record.parameters, free)
         for field, formula in record.model.formulas.items()
     }
-    if any(index for _, index in compiled["reflected"].terms):
+    if any(index for field, formula in compiled.items() if field not in LIT for _, index in formula.terms):
         raise ValueError(f"{name}: a parameter of what it mirrors cannot stay free; give it a value instead")
     return compiled

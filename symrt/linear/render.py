@@ -6,7 +6,7 @@ order.
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -24,8 +24,9 @@ from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.resume import Tiles, open_tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem, Tail
-from symrt.tracing.plan import Alternatives
-from symrt.tracing.stage import Stage, make_stage
+from symrt.tracing.plan import Plan
+from symrt.tracing.planner import plan
+from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tracer import trace_window
 
 __all__ = ["render"]
@@ -36,12 +37,13 @@ TILE = 32768
 """Film samples in a tile, about: enough to amortise NumPy's calls, few enough to stay in cache and be shared out."""
 
 
-def render(
+def render(  # noqa: PLR0913  # a public verb names its options
     scene: Scene,
     *,
     values: Values | None = None,
     free: Free = (),
     alternatives: Alternatives | None = None,
+    force: Mapping[str, bool] | None = None,
     executor: Executor | None = None,
     workers: int | None = None,
     save: str | Path | None = None,
@@ -53,7 +55,7 @@ def render(
     ----------
     values, free
         As in `collapse`.
-    alternatives
+    alternatives, force
         As in `trace`.
     executor
         Any `concurrent.futures.Executor`; threads on this machine's processors if not given.
@@ -71,21 +73,21 @@ def render(
     ('sun',)
     """
     start = time.perf_counter()
-    stage = make_stage(scene, alternatives)
+    stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force)
     program = make_program(stage.materials, values, free)
-    windows = tiles(stage.camera.width, stage.camera.height, stage.camera.samples)
-    kept = None if save is None else open_tiles(save, __version__, windows, stage, program)
+    windows = tiles(stage.camera.width, stage.camera.height, stage.camera.rays_a_pixel)
+    kept = None if save is None else open_tiles(save, __version__, windows, stage, chosen, program)
     bar = tqdm(total=len(windows), desc="render", unit="tile", delay=1, leave=False, disable=not progress)
     with bar, threadpool_limits(1):
         parts = []
-        for part in _each(windows, partial(_tile, stage, program, kept), executor, workers or _processors()):
+        for part in _each(windows, partial(_tile, stage, chosen, program, kept), executor, workers or _processors()):
             parts.append(part)
             bar.update()
     system = _merge(stage, program, windows, parts)
     return replace(system, seconds={**system.seconds, "render": time.perf_counter() - start})
 
 
-def tiles(width: int, height: int, samples: int) -> list[Window]:
+def tiles(width: int, height: int, rays_a_pixel: int) -> list[Window]:
     """Windows that cover the film: bands of whole rows, cut across where one row is too long.
 
     Examples
@@ -93,8 +95,8 @@ def tiles(width: int, height: int, samples: int) -> list[Window]:
     >>> tiles(512, 512, 1)[:2]
     [(0, 0, 512, 64), (0, 64, 512, 128)]
     """
-    across = max(1, min(width, TILE // samples**2))
-    down = max(1, TILE // (across * samples**2))
+    across = max(1, min(width, TILE // rays_a_pixel))
+    down = max(1, TILE // (across * rays_a_pixel))
     return [
         (x, y, min(x + across, width), min(y + down, height))
         for y in range(0, height, down)
@@ -114,10 +116,10 @@ def _each(
             yield from threads.map(task, windows)
 
 
-def _tile(stage: Stage, program: Program, kept: Tiles | None, window: Window) -> LinearSystem:
+def _tile(stage: Stage, chosen: Plan, program: Program, kept: Tiles | None, window: Window) -> LinearSystem:
     if kept is not None and (finished := kept.finished(window)) is not None:
         return finished
-    tree = trace_window(stage, window)
+    tree = trace_window(stage, chosen, window)
     start = time.perf_counter()
     system = run(program, tree)
     tile = replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
@@ -134,7 +136,7 @@ def _merge(stage: Stage, program: Program, windows: list[Window], parts: list[Li
         interactions=interactions,
         height=height,
         width=width,
-        white=stage.white,
+        white={name: light.white for name, light in stage.remembered.items()},
         models=program.signatures,
         parameters=program.nodes,
         tail=Tail(bound, cut, parts[0].tail.reflected if parts[0].tail else ()),

@@ -44,11 +44,12 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
     letters = Letters()
     if not tree.levels:
         return sympy.Integer(0), {}
-    squared = tree.samples**2
-    hits = np.flatnonzero(tree.levels[0].sample // squared == pixel)
+    samples = np.flatnonzero(tree.film.pixel == pixel)
+    squared = samples.size
+    hits = np.flatnonzero(tree.film.pixel[tree.levels[0].sample] == pixel)
     radiances = []
     for hit in hits:
-        sample = int(tree.levels[0].sample[hit]) % squared
+        sample = int(tree.levels[0].sample[hit]) - int(samples[0])
         radiances.append(_radiance(tree, 0, int(hit), f"s{sample}" if squared > 1 else "", letters))
     return sympy.Add(*radiances) / squared, letters.values
 
@@ -75,10 +76,13 @@ def _sent(
     total = [
         light * factor * formulas["direct"].xreplace(bound | view | at_light)
         for lit in points.lit
+        if lit.via == "direct"
         for light, factor, at_light in _arriving(tree, lit, point, place, letters)
     ]
     total += [
-        Light(light) * formulas["ambient"].xreplace(bound | view) for light, ambient in tree.lights.items() if ambient
+        Light(light) * formulas["ambient"].xreplace(bound | view)
+        for light, record in tree.lights.items()
+        if record.via == "ambient"
     ]
     below = _child(tree, depth, int(points.hit[point])) if formulas["reflected"] != 0 else None
     if below is not None:
@@ -94,7 +98,7 @@ def _arriving(
     if not found.size:
         return []
     k = int(found[0])
-    several = sum(not ambient for ambient in tree.lights.values()) > 1
+    several = sum(light.via == "direct" for light in tree.lights.values()) > 1
     where = "_".join(part for part in (lit.light if several else "", place) if part)
     arriving = sympy.Integer(1)
     if lit.irradiance[k] != 1:
@@ -120,5 +124,5 @@ def number(value: float) -> sympy.Expr:
 def _child(tree: RayTree, depth: int, hit: int) -> int | None:
     if depth + 1 >= len(tree.levels):
         return None
-    found = np.flatnonzero(tree.levels[depth + 1].parent == hit)
+    found = np.flatnonzero(tree.levels[depth + 1].branches[0].parent == hit)
     return int(found[0]) if found.size else None

@@ -40,6 +40,9 @@ from symrt.reflection.symbols import (
 
 ZERO = sympy.Integer(0)
 
+LIT = ("direct", "ambient")
+"""The formulas that lights meet; the others meet what further rays bring."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -89,9 +92,9 @@ class Model:
         return self._names(Factor)
 
     @cached_property
-    def mirrors(self) -> bool:
-        """Whether the model calls for mirrored rays."""
-        return bool(monomials(self.reflected))
+    def sending(self) -> frozenset[str]:
+        """The formulas by which the model sends on what further rays bring: those that are not zero."""
+        return frozenset(name for name, formula in self.formulas.items() if name not in LIT and monomials(formula))
 
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
         return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
@@ -99,6 +102,10 @@ class Model:
     def _repr_latex_(self) -> str:
         lines = (rf"\text{{{name}}} &= {sympy.latex(f)}" for name, f in self.formulas.items() if f != 0)
         return r"$\begin{aligned}" + r" \\ ".join(lines) + r"\end{aligned}$"
+
+
+FORMULAS = tuple(field.name for field in fields(Model))
+"""The names of a model's formulas."""
 
 
 def stack(models: Iterable[Model]) -> Model:

@@ -67,6 +67,11 @@ class Camera:
             if getattr(self, key) is not None:
                 settle(self, **{key: float(getattr(self, key))})
 
+    @property
+    def rays_a_pixel(self) -> int:
+        """Samples, and so rays of the camera, in one pixel."""
+        return self.samples**2
+
 
 @dataclass(frozen=True)
 class Window:

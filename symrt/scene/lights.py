@@ -1,13 +1,13 @@
 """Lights: what reaches a point from each, per unit of the light's own symbol (step 1).
 
 A point light of intensity I gives a surface that faces it the irradiance I/d², a directional light of irradiance E
-gives E.  The spectrum is a symbol, so only the factor 1/d² or 1 is known here.  Any object with a ``name``, ``shadows``
-and ``illuminate`` is a light.
+gives E.  The spectrum is a symbol, so only the factor 1/d² or 1 is known here.  Lights answer for themselves, so that
+nobody asks one for its class; any object with a ``name``, ``shadows`` and ``samples`` is a light.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import singledispatch
-from typing import Literal, Protocol, runtime_checkable
+from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -16,8 +16,9 @@ from symrt.arrays import length, normalise
 from symrt.errors import refuse
 from symrt.scene.checks import Triple, check_name, check_triple, floats, settle
 
-__all__ = ["AmbientLight", "DirectionalLight", "Illumination", "Light", "PointLight", "moved", "white"]
-
+Points = Float[np.ndarray, "3 n"]
+Nearest = Callable[[np.ndarray], float]
+"""The distance from a place to the nearest surface."""
 
 UNIT = 1e-9
 """How far from 1 the length of a unit vector may be."""
@@ -25,26 +26,26 @@ UNIT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Illumination:
-    """What a light does at some points.
+    """One sample of a light, seen from some points.
 
     Parameters
     ----------
     direction
-        Unit vectors from the points to the light.
+        Unit vectors from the points to the light; None for light from everywhere.
     distance
         To the light, in scene units; infinite for a light infinitely far away.
     falloff
         Irradiance on a surface that faces the light, per unit of the light's symbol.
     """
 
-    direction: Float[np.ndarray, "3 n"]
+    direction: Points | None
     distance: Float[np.ndarray, " n"]
     falloff: Float[np.ndarray, " n"]
 
 
 @runtime_checkable
 class Light(Protocol):
-    """What the tracer asks of a light; a light of one's own needs these three and nothing else.
+    """What a light of one's own must have; `answering` gives it the rest.
 
     Examples
     --------
@@ -56,9 +57,9 @@ class Light(Protocol):
     ...     position: tuple[float, float, float]
     ...     shadows: bool = True
     ...
-    ...     def illuminate(self, points):
-    ...         bulb = PointLight(self.name, position=self.position).illuminate(points)
-    ...         return replace(bulb, falloff=bulb.falloff * np.clip(bulb.direction[1], 0, 1) ** 8)
+    ...     def samples(self, points):
+    ...         (bulb,) = PointLight(self.name, position=self.position).samples(points)
+    ...         return (replace(bulb, falloff=bulb.falloff * np.clip(bulb.direction[1], 0, 1) ** 8),)
     >>> isinstance(Spotlight("spot", (0, 3, 0)), Light)
     True
     """
@@ -73,8 +74,31 @@ class Light(Protocol):
         """Whether other shapes block it."""
         ...
 
-    def illuminate(self, points: Float[np.ndarray, "3 n"]) -> Illumination:
-        """What reaches the points when nothing is in the way."""
+    def samples(self, points: Points) -> tuple[Illumination, ...]:
+        """The ways by which it reaches the points if nothing hides it; their number hangs on the light alone."""
+        ...
+
+
+@runtime_checkable
+class Answering(Light, Protocol):
+    """A light that answers all that the tracer asks, as those defined here do."""
+
+    calls_for: ClassVar[str | None]
+    """The effect without which it does not shine."""
+
+    via: ClassVar[Literal["direct", "ambient"]]
+    """The formula of a model that answers it."""
+
+    def moved(self, by: Triple) -> "Answering":
+        """The same light when the whole scene moves by the vector `by`."""
+        ...
+
+    def white(self, target: Triple) -> float:
+        """Radiance of a perfect diffuser at `target` that faces the light, unshadowed, per unit of its symbol."""
+        ...
+
+    def bound(self, nearest: Nearest) -> float:
+        """An upper bound on the irradiance that any surface receives, per unit of its symbol."""
         ...
 
 
@@ -86,10 +110,12 @@ class PointLight:
     --------
     Three units above a point, a unit light gives a ninth:
 
-    >>> PointLight("warm", position=(0, 3, 0)).illuminate(np.zeros((3, 1))).falloff.round(15).tolist()
+    >>> PointLight("warm", position=(0, 3, 0)).samples(np.zeros((3, 1)))[0].falloff.round(15).tolist()
     [0.111111111111111]
     """
 
+    calls_for: ClassVar[str | None] = None
+    via: ClassVar[Literal["direct", "ambient"]] = "direct"
     name: str
     position: Triple
     shadows: bool = True
@@ -99,8 +125,8 @@ class PointLight:
         refuse([*check_name("name", self.name), *check_triple("position", self.position)])
         settle(self, position=floats(self.position))
 
-    def illuminate(self, points: Float[np.ndarray, "3 n"]) -> Illumination:
-        """What reaches the points when nothing is in the way.
+    def samples(self, points: Points) -> tuple[Illumination]:
+        """The one way by which it reaches each point.
 
         A point so near that 1/d² overflows is taken for the light itself: it has no direction, and stays dark.
         """
@@ -110,7 +136,27 @@ class PointLight:
             falloff = 1 / distance / distance
         lit = np.isfinite(falloff)
         direction = normalise(np.where(lit, towards, [[0.0], [1.0], [0.0]]))
-        return Illumination(direction, distance, np.where(lit, falloff, 0.0))
+        return (Illumination(direction, distance, np.where(lit, falloff, 0.0)),)
+
+    def moved(self, by: Triple) -> "PointLight":
+        """The light with its position moved.
+
+        Examples
+        --------
+        >>> PointLight("warm", position=(0, 3, 0)).moved((1, 0, 0)).position
+        (1.0, 3.0, 0.0)
+        """
+        x, y, z = (a + float(b) for a, b in zip(self.position, by, strict=True))
+        return replace(self, position=(x, y, z))
+
+    def white(self, target: Triple) -> float:
+        """I/(π d²) for I = 1 and d the distance to the target."""
+        return diffuse_white(self, target)
+
+    def bound(self, nearest: Nearest) -> float:
+        """1/d² at the nearest surface; infinite where one meets the light."""
+        distance = nearest(np.array(self.position))
+        return 1 / distance / distance if distance > 0 else float("inf")
 
 
 @dataclass(frozen=True)
@@ -121,10 +167,12 @@ class DirectionalLight:
 
     Examples
     --------
-    >>> DirectionalLight("sun", direction=(0, -2, 0)).illuminate(np.zeros((3, 1))).direction[1].tolist()
+    >>> DirectionalLight("sun", direction=(0, -2, 0)).samples(np.zeros((3, 1)))[0].direction[1].tolist()
     [1.0]
     """
 
+    calls_for: ClassVar[str | None] = None
+    via: ClassVar[Literal["direct", "ambient"]] = "direct"
     name: str
     direction: Triple
     shadows: bool = True
@@ -134,11 +182,29 @@ class DirectionalLight:
         refuse([*check_name("name", self.name), *check_triple("direction", self.direction, direction=True)])
         settle(self, direction=floats(self.direction))
 
-    def illuminate(self, points: Float[np.ndarray, "3 n"]) -> Illumination:
-        """What reaches the points when nothing is in the way."""
+    def samples(self, points: Points) -> tuple[Illumination]:
+        """The one direction that it comes from, the same everywhere."""
         towards = normalise(-np.array(self.direction)[:, None])
         count = points.shape[1]
-        return Illumination(np.broadcast_to(towards, (3, count)), np.full(count, np.inf), np.ones(count))
+        return (Illumination(np.broadcast_to(towards, (3, count)), np.full(count, np.inf), np.ones(count)),)
+
+    def moved(self, by: Triple) -> "DirectionalLight":  # noqa: ARG002  infinitely far away stays so
+        """The light itself: infinitely far away stays so."""
+        return self
+
+    def white(self, target: Triple) -> float:
+        """1/π, wherever the target is.
+
+        Examples
+        --------
+        >>> DirectionalLight("sun", direction=(0, -1, 0)).white((0, 0, 0)) == 1 / np.pi
+        True
+        """
+        return diffuse_white(self, target)
+
+    def bound(self, nearest: Nearest) -> float:  # noqa: ARG002  the same at every surface
+        """1: the irradiance of a surface that faces it."""
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -147,80 +213,112 @@ class AmbientLight:
 
     Examples
     --------
-    >>> AmbientLight("sky").name
-    'sky'
+    >>> AmbientLight("sky").samples(np.zeros((3, 1)))[0].falloff
+    array([1.])
     """
 
+    calls_for: ClassVar[str | None] = "ambient"
+    via: ClassVar[Literal["direct", "ambient"]] = "ambient"
+    shadows: ClassVar[bool] = False
     name: str
     type: Literal["ambient"] = field(default="ambient", kw_only=True)
 
     def __post_init__(self) -> None:
         refuse(check_name("name", self.name))
 
+    def samples(self, points: Points) -> tuple[Illumination]:
+        """Radiance 1 at each point, from no direction in particular."""
+        count = points.shape[1]
+        return (Illumination(None, np.full(count, np.inf), np.ones(count)),)
+
+    def moved(self, by: Triple) -> "AmbientLight":  # noqa: ARG002  everywhere stays so
+        """The light itself: everywhere stays so."""
+        return self
+
+    def white(self, target: Triple) -> float:  # noqa: ARG002  the same everywhere
+        """1: a perfect diffuser sends on the radiance that arrives."""
+        return 1.0
+
+    def bound(self, nearest: Nearest) -> float:  # noqa: ARG002  the same at every surface
+        """1: the radiance that arrives at any surface."""
+        return 1.0
+
 
 @dataclass(frozen=True)
-class Moved:
-    """A light of one's own, seen from coordinates that were moved by `by`."""
+class Own:
+    """A light of one's own that answers all that the tracer asks, seen from coordinates that were moved by `by`."""
 
+    calls_for: ClassVar[str | None] = None
+    via: ClassVar[Literal["direct", "ambient"]] = "direct"
     light: Light
-    by: Triple
+    by: Triple = (0.0, 0.0, 0.0)
 
     @property
     def name(self) -> str:
-        """Of the light that was moved."""
+        """The name of the light itself."""
         return self.light.name
 
     @property
     def shadows(self) -> bool:
-        """Of the light that was moved."""
+        """Whether other shapes block the light itself."""
         return self.light.shadows
 
-    def illuminate(self, points: Float[np.ndarray, "3 n"]) -> Illumination:
-        """What reaches the points, asked in the light's own coordinates."""
-        found = self.light.illuminate(points - np.array(self.by, dtype=float)[:, None])
-        size = np.sqrt(np.sum(found.direction**2, axis=0))
-        lit = found.falloff > 0
-        if not (np.all(found.falloff >= 0) and np.all(np.isfinite(found.falloff))):
-            raise ValueError(f"the light {self.name}: its falloff must be finite and not negative at every point")
-        if not np.all(np.abs(size[lit] - 1) <= UNIT):
-            raise ValueError(f"the light {self.name}: its directions must be unit vectors; divide them by their length")
+    def samples(self, points: Points) -> tuple[Illumination, ...]:
+        """The light's own samples, asked in its own coordinates, and checked.
+
+        Raises
+        ------
+        ValueError
+            If a falloff is negative or not finite, or a direction is not a unit vector.
+        """
+        found = tuple(self.light.samples(points - np.array(self.by, dtype=float)[:, None]))
+        for sample in found:
+            if not (np.all(sample.falloff >= 0) and np.all(np.isfinite(sample.falloff))):
+                raise ValueError(f"the light {self.name}: its falloff must be finite and not negative at every point")
+            if sample.direction is None:
+                raise ValueError(f"the light {self.name}: its samples must have directions; AmbientLight needs none")
+            size = np.sqrt(np.sum(sample.direction**2, axis=0))
+            if not np.all(np.abs(size[sample.falloff > 0] - 1) <= UNIT):
+                raise ValueError(
+                    f"the light {self.name}: its directions must be unit vectors; divide them by their length"
+                )
         return found
 
+    def moved(self, by: Triple) -> "Own":
+        """The light asked in coordinates that moved once more."""
+        x, y, z = (a + float(b) for a, b in zip(self.by, by, strict=True))
+        return Own(self.light, (x, y, z))
 
-@singledispatch
-def moved(light: Light | AmbientLight, by: Triple) -> Light | AmbientLight:
-    """The same light when the whole scene moves by the vector `by` (the tracer moves the camera to the origin).
+    def white(self, target: Triple) -> float:
+        """The sum of its samples' E/π."""
+        return diffuse_white(self, target)
 
-    Examples
-    --------
-    >>> moved(PointLight("warm", position=(0, 3, 0)), (1, 0, 0)).position
-    (1.0, 3.0, 0.0)
-    """
-    return Moved(light, by) if isinstance(light, Light) else light
-
-
-@moved.register
-def _(light: PointLight, by: Triple) -> PointLight:
-    x, y, z = (a + float(b) for a, b in zip(light.position, by, strict=True))
-    return replace(light, position=(x, y, z))
+    def bound(self, nearest: Nearest) -> float:  # noqa: ARG002  nothing is known of it
+        """Infinite: nothing is known of how bright it may be."""
+        return float("inf")
 
 
-@moved.register
-def _(light: DirectionalLight, by: Triple) -> DirectionalLight:  # noqa: ARG001  infinitely far away stays so
-    return light
-
-
-def white(light: Light | AmbientLight, target: Triple) -> float:
-    """Radiance of a perfect diffuser at `target` that faces the light, unshadowed, per unit of the light's symbol.
-
-    It is E/π: what turns radiance into reflectance on the other side of the waist (`LinearSystem.white`).
+def answering(light: Light) -> Answering:
+    """The light itself if it answers all that the tracer asks, otherwise one that answers for it.
 
     Examples
     --------
-    >>> white(DirectionalLight("sun", direction=(0, -1, 0)), (0, 0, 0)) == 1 / np.pi
+    >>> sun = DirectionalLight("sun", direction=(0, -1, 0))
+    >>> answering(sun) is sun
     True
     """
-    if isinstance(light, AmbientLight):
-        return 1.0
-    falloff = float(light.illuminate(np.array(target, dtype=float)[:, None]).falloff[0])
-    return falloff / np.pi
+    return light if isinstance(light, Answering) else Own(light)
+
+
+def diffuse_white(light: Light, target: Triple) -> float:
+    """Radiance of a perfect diffuser at `target` that faces each sample of a light, unshadowed: the sum of E/π.
+
+    It turns radiance into reflectance on the other side of the waist (`LinearSystem.white`).
+
+    Examples
+    --------
+    >>> diffuse_white(PointLight("warm", position=(0, 1, 0)), (0, 0, 0)) == 1 / np.pi
+    True
+    """
+    samples = light.samples(np.array(target, dtype=float)[:, None])
+    return sum(float(sample.falloff[0]) for sample in samples) / np.pi

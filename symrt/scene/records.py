@@ -17,7 +17,7 @@ from symrt.geometry.rays import encloses
 from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
-from symrt.scene.lights import AmbientLight, Light, PointLight
+from symrt.scene.lights import Light
 from symrt.table import html_table
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class Scene:
     camera: Camera
     shapes: Sequence[Any]
     materials: Sequence[Material]
-    lights: Sequence[Light | AmbientLight]
+    lights: Sequence[Light]
     textures: Sequence[Any] = ()
     depth: int = 4
     folder: Path = Path()
@@ -207,7 +207,7 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
 def _kind_faults(scene: Scene) -> Iterator[str]:
     demands: dict[str, Callable[[Any], bool]] = {
         "materials": lambda m: isinstance(m, Material),
-        "lights": lambda light: isinstance(light, Light | AmbientLight),
+        "lights": lambda light: isinstance(light, Light),
         "textures": lambda texture: hasattr(texture, "name") and hasattr(texture, "materials"),
         "shapes": lambda shape: hasattr(shape, "material") or hasattr(shape, "materials"),
     }
@@ -241,7 +241,7 @@ def _place_faults(scene: Scene) -> Iterator[str]:
             place = shown(scene.camera.position)
             yield f"camera.position = {place}: it is inside shapes[{i}]; move the camera or the shape"
     for light in scene.lights:
-        if isinstance(light, PointLight) and light.position == scene.camera.target:
+        if getattr(light, "position", None) == scene.camera.target:
             yield (
                 f"lights.{light.name}.position: it stands at the camera's target, where the white that reflectances "
                 "are measured against is looked for; move the light or the target"

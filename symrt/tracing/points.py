@@ -8,13 +8,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.arrays import dot
-from symrt.geometry.textures import weights
 from symrt.reflection.symbols import VIEW
-from symrt.scene.lights import Light
+from symrt.scene.lights import Answering, Illumination
 from symrt.tracing.factors import factors
-from symrt.tracing.plan import direct_lights
+from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Lit, Points
-from symrt.tracing.shadows import visible
 from symrt.tracing.stage import Stage
 from symrt.tracing.view import View
 
@@ -23,73 +21,108 @@ Shares = dict[str, tuple[Index, Float[np.ndarray, " point"]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Facing:
-    """The hits that one light faces, on the viewer's side of the surface and of its smoothed normal.
+class Reached:
+    """The hits that one sample of a light reaches: those that it faces, on the viewer's side of the surface.
 
     Parameters
     ----------
     position
-        For each hit of the level its place among the facing ones, −1 where the light is behind.
+        For each hit of the level its place among those reached, −1 where the light is behind.
+    direction
+        None for light from everywhere.
+    bounded
+        Whether an effect was left out that would change this, so that it counts in the tail.
     """
 
+    light: Answering
     position: Int[np.ndarray, " hit"]
-    direction: Float[np.ndarray, "3 lit"]
-    irradiance: Float[np.ndarray, " lit"]
-    visible: Float[np.ndarray, " lit"]
+    direction: Float[np.ndarray, "3 reached"] | None
+    irradiance: Float[np.ndarray, " reached"]
+    visible: Float[np.ndarray, " reached"]
+    bounded: bool
 
 
-def points(stage: Stage, view: View, count: Counter[str]) -> tuple[Points, ...]:
+def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
-    facing = {light.name: _facing(stage, light, view, count) for light in direct_lights(stage.lights)}
+    reached = [
+        _reached(stage, effects, light, sample, view, count)
+        for light in stage.lights
+        for sample in light.samples(view.surface.point)
+    ]
     found = []
-    for material, (hit, weight) in sorted(_shares(stage, view).items()):
+    for material, (hit, weight) in sorted(_shares(stage, effects, view).items()):
         for name in (material, *(f"{material}>{other}" for other in stage.alternatives.get(material, ()))):
             model = stage.materials[name].model
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
-            lit = tuple(_lit(view, light, facing[light], hit, model.factors) for light in sorted(facing))
-            found.append(Points(name, hit, weight, lit, seen))
+            lit, cut = [], []
+            for one in reached:
+                if model.formulas[one.light.via] == 0:
+                    continue
+                arriving = _lit(view, one, hit, model.factors)
+                # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
+                if one.light.calls_for not in effects.left_out:
+                    lit.append(arriving)
+                if one.bounded:
+                    cut.append(arriving)
+            found.append(Points(name, hit, weight, tuple(lit), seen, tuple(cut)))
     return tuple(found)
 
 
-def _facing(stage: Stage, light: Light, view: View, count: Counter[str]) -> Facing:
-    light_at = light.illuminate(view.surface.point)
-    above = (dot(view.normal, light_at.direction) > 0) & (dot(view.shading_normal, light_at.direction) > 0)
-    hit = np.flatnonzero(above & (light_at.falloff > 0))
-    casts = light.shadows and "shadows" in stage.plan
-    seen = visible(stage, view, hit, light_at, count) if casts else np.ones(hit.size)
+def _reached(
+    stage: Stage, effects: AtWork, light: Answering, at: Illumination, view: View, count: Counter[str]
+) -> Reached:
+    if at.direction is None:
+        everywhere = np.arange(view.slot.size)
+        bounded = light.calls_for in effects.left_out
+        return Reached(light, everywhere, None, at.falloff, np.ones(view.slot.size), bounded)
+
+    # The hits that the light faces, on the viewer's side of the surface and of its smoothed normal.
+    above = (dot(view.normal, at.direction) > 0) & (dot(view.shading_normal, at.direction) > 0)
+    hit = np.flatnonzero(above & (at.falloff > 0))
     position = np.full(view.slot.size, -1)
     position[hit] = np.arange(hit.size)
-    return Facing(position, light_at.direction[:, hit], light_at.falloff[hit], seen)
+
+    # What stands in between.
+    direction, visible = at.direction[:, hit], np.ones(hit.size)
+    if light.shadows:
+        for effect in effects.simulated:
+            if effect.arriving is not None:
+                visible = visible * effect.arriving(stage, view, hit, direction, at.distance[hit], count)
+    bounded = light.calls_for in effects.left_out or (
+        light.shadows and any(effect.arriving is not None for effect in effects.bounded)
+    )
+    return Reached(light, position, direction, at.falloff[hit], visible, bounded)
 
 
-def _lit(view: View, light: str, facing: Facing, hit: Index, names: frozenset[str]) -> Lit:
-    position = facing.position[hit]
+def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:
+    position = reached.position[hit]
     point = np.flatnonzero(position >= 0)
     position, hit = position[point], hit[point]
-    found = factors(names - VIEW, view.shading_normal[:, hit], view.viewer[:, hit], facing.direction[:, position])
-    return Lit(light, point, facing.irradiance[position], facing.visible[position], found)
+    found: Mapping[str, np.ndarray] = {}
+    if reached.direction is not None:
+        direction = reached.direction[:, position]
+        found = factors(names - VIEW, view.shading_normal[:, hit], view.viewer[:, hit], direction)
+    light = reached.light
+    return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found)
 
 
-def _shares(stage: Stage, view: View) -> Shares:
+def _shares(stage: Stage, effects: AtWork, view: View) -> Shares:
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
         hit = np.flatnonzero(view.slot == slot)
-        for material, share in _blend(stage, stage.slots[slot], view, hit).items():
+        for material, share in _blend(stage, effects, stage.slots[slot], view, hit).items():
             present = share > 0
             parts.setdefault(material, []).append((hit[present], share[present]))
     return {name: _in_order(found) for name, found in parts.items() if any(hit.size for hit, _ in found)}
 
 
-def _blend(stage: Stage, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
-    texture = stage.textures.get(name)
-    if texture is None:
-        return {name: np.ones(hit.size)}
-    share = weights(texture, view.surface.uv[:, hit], view.surface.extent[:, hit])
-    blended: dict[str, np.ndarray] = {}
-    for material, row in zip(texture.materials, share, strict=True):  # type: ignore[attr-defined]
-        blended[material] = blended.get(material, 0) + row
-    return blended
+def _blend(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
+    """What a name stands for at some hits: what an effect says of it, or itself, a material."""
+    for effect in effects.simulated:
+        if effect.surface is not None and (blended := effect.surface(stage, name, view, hit)) is not None:
+            return blended
+    return {name: np.ones(hit.size)}
 
 
 def _in_order(found: list[tuple[np.ndarray, np.ndarray]]) -> tuple[Index, Float[np.ndarray, " point"]]:

@@ -100,7 +100,7 @@ def probe(scene: Scene, rays: int = 4096) -> Probe:
 def _mirrored(tree: RayTree) -> int:
     """How many of the camera's rays end on a mirror."""
     parts = tree.levels[0].points if tree.levels else ()
-    return np.unique(np.concatenate([[], *(p.hit for p in parts if tree.materials[p.material].model.mirrors)])).size
+    return np.unique(np.concatenate([[], *(p.hit for p in parts if tree.materials[p.material].model.sending)])).size
 
 
 def _meetings(tree: RayTree) -> Iterator[Meeting]:
@@ -111,12 +111,8 @@ def _meetings(tree: RayTree) -> Iterator[Meeting]:
 def _at_level(tree: RayTree, bounces: int, level: Level) -> Iterator[Meeting]:
     camera_rays = tree.rays["camera"]
     for points in level.points:
-        formulas = tree.materials[points.material].model.formulas
-        for lit in points.lit if formulas["direct"] != 0 else ():
+        for lit in points.lit:
             if lit.point.size:
                 weight = points.weight[lit.point]
                 hidden = float(np.sum(weight * (1 - lit.visible)) / weight.sum())
                 yield Meeting(lit.light, points.material, bounces, float(weight.sum() / camera_rays), hidden)
-        ambient = [name for name, everywhere in tree.lights.items() if everywhere and formulas["ambient"] != 0]
-        for light in ambient:
-            yield Meeting(light, points.material, bounces, float(points.weight.sum() / camera_rays), 0.0)

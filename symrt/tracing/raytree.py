@@ -1,7 +1,8 @@
 """What a trace leaves behind: every hit, with the geometry that its material's formulas ask for (step 1).
 
 The tree generalises the parameterised ray tree of Séquin and Smyrl [1]_.  It is stored by level (the camera's hits,
-then what their mirrors see, and so on), by material and by light, in arrays: nothing is an object per pixel.
+then those of the rays that they send on, and so on), by branch, by material and by light, in arrays: nothing is an
+object per pixel.  It holds geometry only; products of symbols appear when it is collapsed.
 
 References
 ----------
@@ -10,11 +11,13 @@ References
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.reflection.models import Model
+from symrt.tracing.plan import Plan
 
 Index = Int[np.ndarray, " point"]
 Factors = Mapping[str, Float[np.ndarray, " point"]]
@@ -22,21 +25,24 @@ Factors = Mapping[str, Float[np.ndarray, " point"]]
 
 @dataclass(frozen=True, eq=False)
 class Lit:
-    """Where one light faces points of one material: its geometric factors there.
+    """Where one sample of a light reaches points of one material: its geometric factors there.
 
     Parameters
     ----------
+    via
+        The formula that answers it: ``direct``, or ``ambient`` for light from everywhere.
     point
         Indices into the points of the material.
     irradiance
         On a facing surface, per unit of the light's symbol: 1/d² for a point light.
     visible
-        1 where nothing stands between point and light, else 0.
+        The share that nothing hides: 1 in the light, 0 in a shadow.
     factors
-        The cosines that the model's formula names.
+        The cosines that the formula names.
     """
 
     light: str
+    via: Literal["direct", "ambient"]
     point: Index
     irradiance: Float[np.ndarray, " point"]
     visible: Float[np.ndarray, " point"]
@@ -50,11 +56,15 @@ class Points:
     Parameters
     ----------
     hit
-        Index of each point's hit in its level; one hit is several points where a texture blends materials.
+        Index of each point's hit in its level, ascending; one hit is several points where a texture blends materials.
     weight
         Share of the material at the point; the shares of a hit sum to 1.
+    lit
+        Each light's samples, those from a direction first; one light may have several.
     view
         Factors that depend on the viewer only.
+    cut
+        Samples of lights that an effect which was left out would change or add: they count in the tail.
     """
 
     material: str
@@ -62,28 +72,95 @@ class Points:
     weight: Float[np.ndarray, " point"]
     lit: tuple[Lit, ...]
     view: Factors
+    cut: tuple[Lit, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Rays that one formula sends on from hits of a level.
+
+    Parameters
+    ----------
+    via
+        The formula, a field of `Model`, that says how much of what the rays bring is sent on to the viewer.
+    parent
+        The hit that each ray leaves from, on the level above the rays' own hits.
+    weight
+        A further share of each ray.
+    factors
+        Cosines of each ray's own direction, where the formula names any.
+    """
+
+    via: str
+    parent: Int[np.ndarray, " ray"]
+    weight: Float[np.ndarray, " ray"]
+    factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of rays."""
+        return self.parent.size
+
+
+@dataclass(frozen=True, eq=False)
+class Emitted:
+    """Light that hits send to the viewer by themselves: entries of degree 0, met by no reflectance.
+
+    Parameters
+    ----------
+    radiance
+        Per unit of the light's symbol.
+    """
+
+    light: str
+    hit: Int[np.ndarray, " emitting"]
+    radiance: Float[np.ndarray, " emitting"]
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """All hits after the same number of bounces.
+    """All hits after the same number of rays.
 
     Parameters
     ----------
     sample
-        Film sample of each hit: pixel · samples² + number of the sample within its pixel.
-    parent
-        Index of the hit, one level up, that this one is seen from; −1 on the camera's level.
+        Film sample of each hit.
+    branches
+        How the hits are reached from the level above: they are the branches' rays, one after the other.  The camera's
+        level has none.
+    points
+        What the hits are made of, and the light that reaches them.
+    cut
+        Rays that were sent from these hits but not followed, beyond the depth or by an effect that was left out; their
+        parents are hits of this level.
     """
 
     sample: Int[np.ndarray, " hit"]
-    parent: Int[np.ndarray, " hit"]
+    branches: tuple[Branch, ...]
     points: tuple[Points, ...]
+    emitted: tuple[Emitted, ...] = ()
+    cut: tuple[Branch, ...] = ()
 
     @property
     def size(self) -> int:
         """Number of hits."""
         return self.sample.size
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """The samples of a film.
+
+    Parameters
+    ----------
+    pixel
+        The pixel of the window, along rows from the top left, that each sample belongs to, ascending.
+    weight
+        What each counts for; over a pixel the weights sum to 1.
+    """
+
+    pixel: Int[np.ndarray, " sample"]
+    weight: Float[np.ndarray, " sample"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,41 +177,53 @@ class MaterialRecord:
 
 
 @dataclass(frozen=True, eq=False)
+class LightRecord:
+    """A light as the tree remembers it.
+
+    Parameters
+    ----------
+    via
+        The formula that answers it.
+    white
+        The coefficient of a perfect diffuser at the camera's target that faces it.
+    bound
+        The most that any surface can receive per unit of its symbol: it bounds what is cut off.
+    """
+
+    via: Literal["direct", "ambient"]
+    white: float
+    bound: float
+
+
+@dataclass(frozen=True, eq=False)
 class RayTree:
     """A traced window of a scene: geometry in numbers, lights and materials by name.
 
     Parameters
     ----------
     levels
-        The camera's hits first, then one level a bounce.
+        The camera's hits first, then one level for each further ray.
     materials
         Model and parameters of each material, alternatives (``sea>ice``) included.
     lights
-        Every light of the scene, and whether it is ambient.
+        Every light of the scene, in its order.
     window
         ``(x0, y0, x1, y1)``, the pixels that were traced, x1 and y1 excluded.
-    samples
-        Samples along one side of a pixel.
-    white
-        For each light, the coefficient of a perfect diffuser at the camera's target that faces it.
-    irradiance
-        For each light, the most that any surface can receive per unit of its symbol: it bounds what the depth limit
-        cuts off.
-    reflecting
-        Materials of surfaces that mirror, whether or not a ray met them.
+    sending
+        For each material whose surfaces send rays on, whether or not a ray met them, the formulas they do it by.
+    plan
+        The effects that were simulated, and those that were not.
     rays
         Rays cast, by effect.
     """
 
     levels: tuple[Level, ...]
     materials: Mapping[str, MaterialRecord]
-    lights: Mapping[str, bool]
+    lights: Mapping[str, LightRecord]
     window: tuple[int, int, int, int]
-    samples: int
-    white: Mapping[str, float]
-    irradiance: Mapping[str, float]
-    depth: int
-    reflecting: tuple[str, ...] = ()
+    film: Film
+    sending: Mapping[str, tuple[str, ...]]
+    plan: Plan
     rays: Mapping[str, int] = field(default_factory=dict)
     seconds: float = 0.0
 
@@ -147,6 +236,11 @@ class RayTree:
     def height(self) -> int:
         """Pixels down the window."""
         return self.window[3] - self.window[1]
+
+    @property
+    def white(self) -> dict[str, float]:
+        """For each light, the coefficient of a perfect diffuser at the camera's target that faces it."""
+        return {name: light.white for name, light in self.lights.items()}
 
     def __repr__(self) -> str:
         hits = " + ".join(str(level.size) for level in self.levels)

@@ -1,7 +1,8 @@
 """A scene made ready for rays: files read, everything moved to the camera, models bound to materials (step 1)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -9,10 +10,12 @@ from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
 from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, encloses, translate
 from symrt.scene.cameras import Camera, moved_camera
-from symrt.scene.lights import AmbientLight, DirectionalLight, Light, PointLight, moved, white
+from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene
-from symrt.tracing.plan import Alternatives, Plan, mirroring, plan
-from symrt.tracing.raytree import MaterialRecord
+from symrt.tracing.raytree import LightRecord, MaterialRecord
+
+Alternatives = Mapping[str, Sequence[str]]
+"""For a material, others that may take its place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +31,12 @@ class Stage:
         For each shape, its first slot.
     alternatives
         For each material, others whose formulas are also evaluated at its points.
-    irradiance
-        For each light, an upper bound on the irradiance it gives any surface, per unit of its symbol.
-    reflecting
-        Materials of surfaces that mirror, by themselves or as an alternative.
+    lights
+        Each light, seen from the camera: those with a direction first, by name.
+    remembered
+        What a tree remembers of each light, in the scene's order.
+    sending
+        For each material whose surfaces send rays on, by itself or as an alternative, the formulas they do it by.
     """
 
     camera: Camera
@@ -41,12 +46,10 @@ class Stage:
     textures: Mapping[str, object]
     materials: Mapping[str, MaterialRecord]
     alternatives: Alternatives
-    lights: tuple[Light | AmbientLight, ...]
-    white: Mapping[str, float]
-    irradiance: Mapping[str, float]
+    lights: tuple[Answering, ...]
+    remembered: Mapping[str, LightRecord]
     depth: int
-    reflecting: tuple[str, ...]
-    plan: Plan
+    sending: Mapping[str, tuple[str, ...]]
 
 
 def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
@@ -58,8 +61,8 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
     shapes = tuple(translate(_load(shape, scene), np.array(by)) for shape in scene.shapes)
-    lights = tuple(moved(light, by) for light in scene.lights)
     camera = moved_camera(scene.camera, by)
+    lights = tuple(answering(light).moved(by) for light in scene.lights)
     slots, first = _slots(shapes)
     return Stage(
         camera=camera,
@@ -69,13 +72,39 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         textures={texture.name: load_texture(texture, scene.folder) for texture in scene.textures},
         materials=_materials(scene, alternatives),
         alternatives=alternatives,
-        lights=lights,
-        white={light.name: white(light, camera.target) for light in lights},
-        irradiance={light.name: _brightest(light, shapes) for light in lights},
+        lights=tuple(sorted((light for light in lights if light.via == "direct"), key=lambda light: light.name))
+        + tuple(light for light in lights if light.via == "ambient"),
+        remembered={
+            light.name: LightRecord(light.via, light.white(camera.target), light.bound(partial(_nearest, shapes)))
+            for light in lights
+        },
         depth=scene.depth,
-        reflecting=tuple(dict.fromkeys(name.partition(">")[0] for name in mirroring(scene, alternatives))),
-        plan=plan(scene, alternatives),
+        sending=_sending(scene, alternatives),
     )
+
+
+def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ...]:
+    """Names of the materials of some shape whose formula `via` is not zero; ``sea>ice`` where only an alternative's is.
+
+    Examples
+    --------
+    >>> from symrt.scene import load_scene, shipped_scene
+    >>> senders(load_scene(shipped_scene("spheres")), {"red": ["chrome"]}, "reflected")
+    ('chrome', 'light_tile', 'dark_tile', 'red>chrome')
+    """
+    sending = {m.name for m in scene.materials if via in m.reflection.sending}
+    used = [m.name for m in scene.materials if m.name in scene.used_materials]
+    others = (f"{name}>{other}" for name in used for other in alternatives.get(name, ()) if other in sending)
+    return (*(name for name in used if name in sending), *others)
+
+
+def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, ...]]:
+    formulas = sorted({via for material in scene.materials for via in material.reflection.sending})
+    found: dict[str, tuple[str, ...]] = {}
+    for via in formulas:
+        for place in dict.fromkeys(name.partition(">")[0] for name in senders(scene, alternatives, via)):
+            found[place] = (*found.get(place, ()), via)
+    return found
 
 
 def _checked(scene: Scene, alternatives: Alternatives) -> Alternatives:
@@ -118,10 +147,6 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
     return named | {f"{m}>{other}": named[other] for m, others in alternatives.items() for other in others}
 
 
-def _brightest(light: Light | AmbientLight, shapes: tuple[object, ...]) -> float:
-    if isinstance(light, AmbientLight | DirectionalLight):
-        return 1.0
-    if not isinstance(light, PointLight):
-        return float("inf")
-    nearest = min((clearance(shape, np.array(light.position)) for shape in shapes), default=float("inf"))
-    return 1 / nearest / nearest if nearest > 0 else float("inf")
+def _nearest(shapes: tuple[object, ...], place: np.ndarray) -> float:
+    """The distance from a place to the nearest surface; infinite where there is none."""
+    return min((clearance(shape, place) for shape in shapes), default=float("inf"))

@@ -1,6 +1,7 @@
 """Step 1: cast rays through a scene once, and keep what its materials' formulas ask for.
 
-Whitted's recursive ray tracing [1]_ level by level: all camera rays, then all rays that their mirrors send on.
+Whitted's recursive ray tracing [1]_ level by level: all camera rays, then all rays that effects send on from where they
+ended, however many from each.
 
 References
 ----------
@@ -9,27 +10,34 @@ References
 
 import time
 from collections import Counter
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symrt.errors import require
 from symrt.geometry.mesh import TriangleMesh
 from symrt.geometry.rays import Rays, nearest, surfaces
-from symrt.scene.cameras import Window, camera_rays
-from symrt.scene.lights import AmbientLight
+from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
-from symrt.tracing.mirrors import mirrored
-from symrt.tracing.plan import Alternatives
+from symrt.tracing.effects.effect import Sent
+from symrt.tracing.film import centres
+from symrt.tracing.plan import Plan
+from symrt.tracing.planner import AtWork, at_work, plan
 from symrt.tracing.points import points
-from symrt.tracing.raytree import Level, RayTree
-from symrt.tracing.stage import Stage, make_stage
-from symrt.tracing.view import look, select_hits, select_rays
+from symrt.tracing.raytree import Branch, Level, RayTree
+from symrt.tracing.stage import Alternatives, Stage, make_stage
+from symrt.tracing.view import Batch, look, select_hits
 
-__all__ = ["trace", "trace_window"]
-
-Box = tuple[int, int, int, int]
+Bounds = tuple[int, int, int, int]
 
 
-def trace(scene: Scene, window: Box | None = None, alternatives: Alternatives | None = None) -> RayTree:
+def trace(
+    scene: Scene,
+    window: Bounds | None = None,
+    alternatives: Alternatives | None = None,
+    *,
+    force: Mapping[str, bool] | None = None,
+) -> RayTree:
     """Trace a scene, or a window ``(x0, y0, x1, y1)`` of its pixels, x1 and y1 excluded.
 
     Parameters
@@ -37,6 +45,8 @@ def trace(scene: Scene, window: Box | None = None, alternatives: Alternatives | 
     alternatives
         For a material, others that may take its place: ``{"sea": ["ice"]}`` also records ice's geometry at sea's
         points, for a blend of materials whose models differ.
+    force
+        Effects to leave out, as for `plan`: ``{"shadows": False}``.
 
     Examples
     --------
@@ -45,48 +55,88 @@ def trace(scene: Scene, window: Box | None = None, alternatives: Alternatives | 
     >>> tree.width, tree.height
     (8, 8)
     """
-    return trace_window(make_stage(scene, alternatives), window)
+    require("scene", scene, Scene, "a Scene, load_scene(path)")
+    stage = make_stage(scene, alternatives)
+    return trace_window(stage, plan(scene, alternatives, force=force), window)
 
 
-def trace_window(stage: Stage, window: Box | None = None) -> RayTree:
-    """Trace a window of a scene that was made ready."""
+def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> RayTree:
+    """Trace a window of a scene that was made ready, with the effects of a plan."""
     start = time.perf_counter()
     x0, y0, x1, y1 = _checked(window, stage.camera.width, stage.camera.height)
-    rays = camera_rays(stage.camera, Window(x0, y0, x1 - x0, y1 - y0))
-    count = Counter(camera=rays.origin.shape[1])
-    levels = _levels(stage, rays, count)
+    effects = at_work(chosen)
+
+    # The film's samples, and a ray from the camera through each.
+    sampled = next((effect.film for effect in effects.simulated if effect.film is not None), centres)
+    film, rays = sampled(stage.camera, Window(x0, y0, x1 - x0, y1 - y0))
+    count = Counter(camera=film.pixel.size)
+
+    levels = _levels(stage, effects, rays, count)
     return RayTree(
         levels=levels,
         materials=stage.materials,
-        lights={light.name: isinstance(light, AmbientLight) for light in stage.lights},
+        lights=stage.remembered,
         window=(x0, y0, x1, y1),
-        samples=stage.camera.samples,
-        white=stage.white,
-        irradiance=stage.irradiance,
-        depth=stage.depth,
-        reflecting=stage.reflecting,
+        film=film,
+        sending=stage.sending,
+        plan=chosen,
         rays=dict(count),
         seconds=time.perf_counter() - start,
     )
 
 
-def _levels(stage: Stage, rays: Rays, count: Counter[str]) -> tuple[Level, ...]:
-    sample = np.arange(rays.origin.shape[1])
-    parent = np.full(sample.size, -1)
+def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> tuple[Level, ...]:
+    size = rays.origin.shape[1]
+    kept = {name: np.full(size, value) for effect in effects.simulated for name, value in effect.state.items()}
+    batch = Batch(rays, np.arange(size), (), kept)
     levels: list[Level] = []
-    while sample.size:
-        hits = nearest(stage.shapes, rays)
+    while batch.sample.size:
+        # Where the rays of all branches end; those that meet nothing are dropped.
+        hits = nearest(stage.shapes, batch.rays)
         found = np.flatnonzero(hits.shape >= 0)
-        rays, hits, sample, parent = select_rays(rays, found), select_hits(hits, found), sample[found], parent[found]
-        view = look(surfaces(stage.shapes, rays, hits), _slots(stage, hits.shape, hits.primitive), rays, sample)
-        here = points(stage, view, count)
-        levels.append(Level(sample, parent, here))
-        if len(levels) > stage.depth or "mirrors" not in stage.plan:
-            break
-        rays, parent = mirrored(stage, view, here)
-        sample = sample[parent]
-        count["mirrors"] += sample.size
+        batch, hits = batch.of(found), select_hits(hits, found)
+
+        # What is there, and the light that reaches it.
+        surface = surfaces(stage.shapes, batch.rays, hits)
+        view = look(surface, _slots(stage, hits.shape, hits.primitive), batch)
+        here = points(stage, effects, view, count)
+        emitted = tuple(one for effect in effects.simulated if effect.emitted for one in effect.emitted(stage, view))
+
+        # The rays that go on: followed until the depth is reached, cut off and bounded from there on.
+        followed: list[Sent] = []
+        cut = [one for effect in effects.bounded if effect.onwards for one in effect.onwards(stage, view, here)]
+        for effect in effects.simulated:
+            if effect.onwards is None:
+                continue
+            sent = effect.onwards(stage, view, here)
+            if len(levels) < stage.depth:
+                followed += sent
+                count[effect.name] += sum(one.hit.size for one in sent)
+            else:
+                cut += sent
+        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))
+        batch = _onwards(batch, followed)
     return tuple(levels)
+
+
+def _branch(sent: Sent) -> Branch:
+    return Branch(sent.via, sent.hit, sent.weight, sent.factors)
+
+
+def _onwards(batch: Batch, sent: Sequence[Sent]) -> Batch:
+    """All rays that were sent on, to be intersected together; what effects keep is inherited unless it changed."""
+    if not sent:
+        return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})
+    rays = Rays(
+        np.concatenate([one.rays.origin for one in sent], axis=1),
+        np.concatenate([one.rays.direction for one in sent], axis=1),
+    )
+    sample = np.concatenate([batch.sample[one.hit] for one in sent])
+    state = {
+        name: np.concatenate([one.state[name] if name in one.state else values[one.hit] for one in sent])
+        for name, values in batch.state.items()
+    }
+    return Batch(rays, sample, tuple(map(_branch, sent)), state)
 
 
 def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
@@ -98,7 +148,7 @@ def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray
     return slot
 
 
-def _checked(window: Box | None, width: int, height: int) -> Box:
+def _checked(window: Bounds | None, width: int, height: int) -> Bounds:
     x0, y0, x1, y1 = window or (0, 0, width, height)
     if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
         raise ValueError(

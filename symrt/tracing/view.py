@@ -1,12 +1,46 @@
-"""The hits of one level as the viewer sees them (step 1)."""
+"""Rays on their way together, and the hits of one level as the viewer sees them (step 1)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Shaped
 
 from symrt.arrays import Vectors, dot
 from symrt.geometry.rays import Hits, Rays, Surface
+from symrt.tracing.raytree import Branch
+
+Which = Int[np.ndarray, " hit"]
+State = Mapping[str, Shaped[np.ndarray, " ray"]]
+"""What effects keep for each ray, by name; an array is there only if an effect in the plan asks for it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Rays that are intersected together: those of the branches, one branch after the other.
+
+    Parameters
+    ----------
+    sample
+        The film sample that each ray contributes to.
+    """
+
+    rays: Rays
+    sample: Int[np.ndarray, " ray"]
+    branches: tuple[Branch, ...]
+    state: State
+
+    def of(self, found: Which) -> "Batch":
+        """Some of the rays, in ascending order."""
+        branches, first = [], 0
+        for branch in self.branches:
+            own = found[(first <= found) & (found < first + branch.size)] - first
+            factors = {name: values[own] for name, values in branch.factors.items()}
+            branches.append(Branch(branch.via, branch.parent[own], branch.weight[own], factors))
+            first += branch.size
+        rays = Rays(self.rays.origin[:, found], self.rays.direction[:, found])
+        state = {name: values[found] for name, values in self.state.items()}
+        return Batch(rays, self.sample[found], tuple(branches), state)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,8 +53,8 @@ class View:
         What each hit is made of: an index into the stage's slots.
     viewer
         Unit vectors from the hits to where they are seen from.
-    sample
-        The film sample that each hit contributes to.
+    sample, state
+        The film sample that each hit contributes to, and what effects keep for the ray that met it.
     """
 
     surface: Surface
@@ -29,27 +63,23 @@ class View:
     normal: Vectors
     shading_normal: Vectors
     sample: Int[np.ndarray, " hit"]
+    state: State
 
 
-def look(surface: Surface, slot: Int[np.ndarray, " hit"], rays: Rays, sample: Int[np.ndarray, " hit"]) -> View:
+def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch) -> View:
     """Turn normals to the viewer: the true surface decides the face, the smoothed normal follows it.
 
     A file may wind its faces against its own vertex normals, so the two are compared, never assumed to agree.
     """
-    viewer = -rays.direction
+    viewer = -batch.rays.direction
     normal = _turned(surface.normal, viewer)
-    return View(surface, slot, viewer, normal, _turned(surface.shading_normal, normal), sample)
+    return View(surface, slot, viewer, normal, _turned(surface.shading_normal, normal), batch.sample, batch.state)
 
 
 def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:
     return np.where(dot(normal, towards) < 0, -normal, normal)
 
 
-def select_rays(rays: Rays, which: Int[np.ndarray, " hit"]) -> Rays:
-    """Some of the rays."""
-    return Rays(rays.origin[:, which], rays.direction[:, which])
-
-
-def select_hits(hits: Hits, which: Int[np.ndarray, " hit"]) -> Hits:
+def select_hits(hits: Hits, which: Which) -> Hits:
     """Some of the hits."""
     return Hits(hits.distance[which], hits.shape[which], hits.primitive[which])

@@ -83,8 +83,8 @@ class OwnLight:
     name: str
     shadows: bool = True
 
-    def illuminate(self, points):
-        return SUN.illuminate(points)
+    def samples(self, points):
+        return SUN.samples(points)
 
 
 def test_a_light_of_ones_own_may_stand_in_a_scene():

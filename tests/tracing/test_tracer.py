@@ -87,9 +87,9 @@ class Spotlight:
     position: tuple[float, float, float]
     shadows: bool = True
 
-    def illuminate(self, points):
-        bulb = rt.PointLight(self.name, position=self.position).illuminate(points)
-        return replace(bulb, falloff=np.where(bulb.direction[1] > 0.97, bulb.falloff, 0.0))
+    def samples(self, points):
+        bulb = rt.PointLight(self.name, position=self.position).samples(points)[0]
+        return (replace(bulb, falloff=np.where(bulb.direction[1] > 0.97, bulb.falloff, 0.0)),)
 
 
 def test_a_light_of_ones_own_is_a_light():
@@ -113,9 +113,9 @@ def test_a_light_of_ones_own_that_breaks_the_rules_is_named(stretch, falloff, sa
         name: str = "wrong"
         shadows: bool = False
 
-        def illuminate(self, points):
-            right = rt.DirectionalLight("right", direction=(0, -1, 0)).illuminate(points)
-            return replace(right, direction=right.direction * stretch, falloff=right.falloff * falloff)
+        def samples(self, points):
+            right = rt.DirectionalLight("right", direction=(0, -1, 0)).samples(points)[0]
+            return (replace(right, direction=right.direction * stretch, falloff=right.falloff * falloff),)
 
     with pytest.raises(ValueError, match=f"the light wrong: .*{says}"):
         rt.trace(replace(two_materials(exponent=20), camera=camera(position=(0, 0, 6)), lights=[Wrong()]))

@@ -1,0 +1,147 @@
+"""Paths from the eye through a tree of rays: hits, the products of reflectances met, and numbers (step 2)."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from symrt.linear.program import Program
+from symrt.reflection.polynomials import Monomial
+from symrt.tracing.raytree import Branch, Film, Level
+
+Index = Int[np.ndarray, " entry"]
+Product = Callable[[Monomial, Monomial], Monomial]
+"""The product of a path and of what it meets next, further from the eye."""
+
+VANISHED = np.finfo(float).tiny
+"""Stands in bounds for a product of numbers that were not zero but underflowed to it."""
+
+
+def commuting(path: Monomial, met: Monomial) -> Monomial:
+    """A product of reflectances that commute: sorted, so that orders do not matter."""
+    return tuple(sorted(path + met))
+
+
+def in_order(path: Monomial, met: Monomial) -> Monomial:
+    """A product in the order in which light meets the reflectances, from the light to the eye."""
+    return met + path
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Paths from the eye to the hits of one level.
+
+    Parameters
+    ----------
+    hit
+        Where each path ends, ascending; a hit that several products lead to stands several times.
+    product
+        Index into `products`: the reflectances it met.
+    coefficient
+        Product of the numbers on the way.
+    """
+
+    hit: Int[np.ndarray, " path"]
+    product: Int[np.ndarray, " path"]
+    coefficient: Float[np.ndarray, " path"]
+    products: tuple[Monomial, ...]
+
+    def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
+        """For each pair of a point and a path that leads to it: the point's place in `hit`, and the path."""
+        size = int(max(self.hit.max(initial=-1), hit.max(initial=-1))) + 1
+        count = np.bincount(self.hit, minlength=size)[hit]
+        first = np.searchsorted(self.hit, hit)
+        which = np.repeat(np.arange(hit.size), count)
+        within = np.arange(which.size) - np.repeat(np.cumsum(count) - count, count)
+        return which, first[which] + within
+
+
+NOWHERE = Paths(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0), ())
+"""No path at all."""
+
+
+def from_the_eye(level: Level, film: Film) -> Paths:
+    """The paths to the camera's hits: nothing met yet, each with its sample's weight."""
+    size = level.size
+    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),))
+
+
+@dataclass(frozen=True, eq=False)
+class Passing:
+    """What one term of a formula sends along the rays of a branch, from the paths that lead to where they leave.
+
+    Parameters
+    ----------
+    met
+        The reflectances in the term.
+    ray, path
+        For each entry the ray of the branch, and the path that it continues.
+    value
+        The number that the continued path carries.
+    vanished
+        Where the value is zero only because a product of numbers that are not zero underflowed.
+    """
+
+    met: Monomial
+    ray: Index
+    path: Index
+    value: Float[np.ndarray, " entry"]
+    vanished: Bool[np.ndarray, " entry"]
+
+
+def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Iterator[Passing]:
+    """All that a branch carries, by material and by term."""
+    for points in level.points:
+        compiled = program.compiled[points.material][branch.via]
+        if not compiled.terms:
+            continue
+
+        # The branch's rays that leave from points of this material.
+        point_of = np.full(level.size, -1)
+        point_of[points.hit] = np.arange(points.hit.size)
+        ray = np.flatnonzero(point_of[branch.parent] >= 0)
+        point = point_of[branch.parent[ray]]
+
+        # The formula there, and the paths that it continues.
+        factors = {name: values[point] for name, values in points.view.items()}
+        factors |= {name: values[ray] for name, values in branch.factors.items()}
+        share = points.weight[point] * branch.weight[ray]
+        which, path = paths.to(points.hit[point])
+        carried = paths.coefficient[path] * share[which]
+        for (met, _), c in zip(compiled.terms, compiled.coefficients(factors, ray.size), strict=True):
+            value = carried * c[which]
+            vanished = (value == 0) & (c[which] != 0) & (share[which] != 0)
+            yield Passing(met, ray[which], path, value, vanished)
+
+
+def continued(below: Level, parts: Sequence[Sequence[Passing]], paths: Paths, product: Product) -> Paths:
+    """The paths to the hits of the level below, from what each of its branches carries."""
+    numbered: dict[Monomial, int] = {}
+    hit, number, coefficient = [], [], []
+    first = 0
+    for branch, of_branch in zip(below.branches, parts, strict=True):
+        for part in of_branch:
+            present = np.flatnonzero(part.value)
+            renumbered = [numbered.setdefault(product(path, part.met), len(numbered)) for path in paths.products]
+            hit.append(first + part.ray[present])
+            number.append(np.array(renumbered, dtype=np.int64)[paths.product[part.path[present]]])
+            coefficient.append(part.value[present])
+        first += branch.size
+    if not hit:
+        return NOWHERE
+    order = np.argsort(np.concatenate(hit), kind="stable")
+    hits, numbers, values = (np.concatenate(found)[order] for found in (hit, number, coefficient))
+    return _merged(Paths(hits, numbers, values, tuple(numbered)))
+
+
+def _merged(paths: Paths) -> Paths:
+    """Add up paths that lead to one hit by one product: two terms would else double them at each bounce."""
+    key = paths.hit * len(paths.products) + paths.product
+    _, first, same = np.unique(key, return_index=True, return_inverse=True)
+    if first.size == key.size:
+        return paths
+    # In the order in which they were found, which no tile changes.
+    order = np.argsort(first)
+    total = np.bincount(same, weights=paths.coefficient)[order]
+    return Paths(paths.hit[first[order]], paths.product[first[order]], total, paths.products)

@@ -1,0 +1,16 @@
+"""The effects that symrt can simulate: one file each, and this list.
+
+A scene pays only for the effects that something in it calls for.  To add one, write its file and put its record into
+`EFFECTS`; the plan, the tracer, the tail and the formulas ask the list.
+"""
+
+from symrt.tracing.effects.ambient import AMBIENT
+from symrt.tracing.effects.effect import Call, Effect, Sent
+from symrt.tracing.effects.film import SUPERSAMPLING
+from symrt.tracing.effects.mirrors import MIRRORS
+from symrt.tracing.effects.shadows import SHADOWS
+from symrt.tracing.effects.textures import TEXTURES
+
+EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, AMBIENT, TEXTURES, SUPERSAMPLING)
+
+__all__ = ["EFFECTS", "Call", "Effect", "Sent"]

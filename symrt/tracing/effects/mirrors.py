@@ -1,0 +1,42 @@
+"""Mirrors: one ray onwards from each hit that reflects, along the mirrored view (an effect of step 1)."""
+
+import numpy as np
+
+from symrt.arrays import dot, normalise
+from symrt.geometry.rays import spawn
+from symrt.scene.records import Scene
+from symrt.tracing.effects.effect import Call, Effect, Sent
+from symrt.tracing.factors import reflect
+from symrt.tracing.raytree import Points
+from symrt.tracing.stage import Alternatives, Stage, senders
+from symrt.tracing.view import View
+
+
+def _call(scene: Scene, alternatives: Alternatives) -> Call:
+    return Call(
+        senders(scene, alternatives, "reflected"),
+        without="no material mirrors",
+        rays=f"{scene.depth} a sample",
+        left_out="" if scene.depth else "the depth is 0",
+    )
+
+
+def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent, ...]:
+    """Rays along the mirrored view.
+
+    A smoothed normal may send the view into the surface; there is nothing to see there, so no ray is cast.
+    """
+    reflecting = np.zeros(view.slot.size, dtype=bool)
+    for part in points:
+        if "reflected" in stage.materials[part.material].model.sending:
+            reflecting[part.hit] = True
+    hit = np.flatnonzero(reflecting)
+    direction = reflect(view.viewer[:, hit], view.shading_normal[:, hit])
+    outwards = dot(direction, view.normal[:, hit]) > 0
+    hit, direction = hit[outwards], direction[:, outwards]
+    surface = view.surface
+    rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], normalise(direction))
+    return (Sent("reflected", hit, rays, np.ones(hit.size)),)
+
+
+MIRRORS = Effect("mirrors", _call, onwards=_onwards)

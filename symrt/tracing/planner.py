@@ -1,0 +1,84 @@
+"""Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from symrt.errors import refuse, require, suggestion
+from symrt.scene.records import Scene
+from symrt.tracing import effects
+from symrt.tracing.effects.effect import Call, Effect
+from symrt.tracing.plan import Plan, Planned
+from symrt.tracing.stage import Alternatives
+
+
+def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mapping[str, bool] | None = None) -> Plan:
+    """The effects that `scene`, traced with these `alternatives`, calls for, and why the others are not simulated.
+
+    Parameters
+    ----------
+    force
+        Effects to leave out, ``{"shadows": False}``: what is lost is bounded in the system's tail.  True asks for what
+        is simulated anyhow, and refuses where it is not.
+
+    Raises
+    ------
+    ValueError
+        If no effect has a name that is forced, or it cannot be forced so.
+
+    Examples
+    --------
+    >>> from symrt.scene import load_scene, shipped_scene
+    >>> print(plan(load_scene(shipped_scene("first"))))
+    effect                         called for by                    rays at most
+    shadows        simulated       sun                              1 a hit
+    mirrors        not called for  no material mirrors              none
+    ambient        not called for  no light is ambient              none
+    textures       not called for  no surface has one               none
+    supersampling  not called for  the pixel's centre is asked for  none
+    """
+    require("scene", scene, Scene, "a Scene, load_scene(path)")
+    force, alternatives = force or {}, alternatives or {}
+    known = {effect.name for effect in effects.EFFECTS}
+    refuse(
+        f"force: there is no effect {name!r}; {suggestion(name, sorted(known))}" for name in force if name not in known
+    )
+    return Plan(
+        tuple(_planned(effect, effect.call(scene, alternatives), force.get(effect.name)) for effect in effects.EFFECTS)
+    )
+
+
+def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
+    if not call.by:
+        if forced:
+            raise ValueError(f"force: nothing calls for {effect.name}: {call.without}")
+        return Planned(effect.name, "not called for", (), call.without, "none")
+    left_out = call.left_out or ("it was left out on request" if forced is False else "")
+    if not left_out:
+        return Planned(effect.name, "simulated", call.by, "", call.rays)
+    if forced:
+        raise ValueError(f"force: {effect.name} cannot be simulated: {left_out}")
+    if forced is False and effect.needed:
+        raise ValueError(f"force: {effect.name} cannot be left out: {effect.needed}")
+    return Planned(effect.name, "left out, bounded", call.by, left_out, "none")
+
+
+@dataclass(frozen=True, eq=False)
+class AtWork:
+    """The effects of a plan with what they do, those that it simulates and those that it leaves out and bounds."""
+
+    simulated: tuple[Effect, ...]
+    bounded: tuple[Effect, ...]
+
+    @property
+    def left_out(self) -> frozenset[str]:
+        """Names of those that are left out."""
+        return frozenset(effect.name for effect in self.bounded)
+
+
+def at_work(chosen: Plan) -> AtWork:
+    """Look the effects of a plan up in the list; a plan itself holds words only, so that it can be sent and kept."""
+    by_name = {effect.name: effect for effect in effects.EFFECTS}
+    return AtWork(
+        simulated=tuple(by_name[effect.name] for effect in chosen.effects if effect.simulated),
+        bounded=tuple(by_name[effect.name] for effect in chosen.effects if effect.name in chosen.left_out),
+    )
