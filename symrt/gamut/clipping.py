@@ -195,18 +195,21 @@ def _scaled_quotients(
     It gives the same bits as the plain formula where that is safe.  An end that is no float is moved inwards to the
     next one; where that cannot be done, the slab is doubtful.
     """
-    room = np.maximum(np.abs(q), np.maximum(_finite(lower), _finite(upper)))
-    scale, (mantissa, exponent) = np.frexp(room)[1], np.frexp(d)
-    shifted = np.ldexp(q, -scale)
-    at_lower = (np.ldexp(lower, -scale) - shifted) / mantissa
-    at_upper = (np.ldexp(upper, -scale) - shifted) / mantissa
-    near, near_lost = _unscaled(np.minimum(at_lower, at_upper), scale - exponent, np.inf)
-    far, far_lost = _unscaled(np.maximum(at_lower, at_upper), scale - exponent, -np.inf)
+    rising = d >= 0
+    near, near_lost = _scaled_end(np.where(rising, lower, upper), q, d, np.inf)
+    far, far_lost = _scaled_end(np.where(rising, upper, lower), q, d, -np.inf)
     # A line parallel to a slab never crosses it: the slab allows all of the line or none.
     parallel, inside = d == 0, (lower <= q) & (q <= upper)
     near = np.where(parallel, np.where(inside, -np.inf, np.inf), near)
     far = np.where(parallel, np.where(inside, np.inf, -np.inf), far)
     return near, far, (near_lost | far_lost) & ~parallel
+
+
+def _scaled_end(bound: Lines, q: Lines, d: Lines, inward: float) -> tuple[Lines, Bool[np.ndarray, "pixel slab"]]:
+    """``(bound - q) / d``, and where it is no float; a bound and an origin share a scale, so neither loses digits."""
+    scale, (mantissa, exponent) = np.frexp(np.maximum(np.abs(q), _finite(bound)))[1], np.frexp(d)
+    ends = (np.ldexp(bound, -scale) - np.ldexp(q, -scale)) / mantissa
+    return _unscaled(ends, scale - exponent, inward)
 
 
 def _unscaled(
@@ -288,7 +291,7 @@ def _ordinary(bounds: Bounds) -> bool:
     return bool(np.all((sizes == 0) | ((sizes > 1 / SAFE) & (sizes < SAFE))))
 
 
-def _finite(bounds: Bounds) -> Bounds:
+def _finite(bounds: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
     """Sizes of the bounds, 0 for those that are open."""
     return np.where(np.isfinite(bounds), np.abs(bounds), 0.0)
 

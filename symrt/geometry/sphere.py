@@ -108,10 +108,15 @@ def _room(sphere: Sphere, m: Float[np.ndarray, "3 ray"]) -> PerRay:
 def _plain(
     sphere: Sphere, m: Float[np.ndarray, "3 ray"], d: Float[np.ndarray, "3 ray"], square: PerRay
 ) -> tuple[PerRay, PerRay, Bool[np.ndarray, " ray"]]:
-    """Both crossings by plain arithmetic, and where they are good: far from the rim, from a radius away or more."""
+    """Both crossings by plain arithmetic, and where they are good.
+
+    That is far from the rim, from a radius away or more, and not so far away that the distance of the line from the
+    centre is rounding noise.
+    """
     squared_radius = float(sphere.radius) ** 2
     a, b, distance = dot(d, d), dot(m, d), dot(m, m)
     sure = (square <= 0.75 * squared_radius) & (distance >= 4 * squared_radius)
+    sure &= 64 * ROUNDING * (np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2])) <= sphere.radius
     q = -(b + np.copysign(np.sqrt(a * squared_radius - square), b))
     larger, smaller = q / a, (distance - squared_radius) / q
     return np.minimum(larger, smaller), np.maximum(larger, smaller), sure

@@ -146,6 +146,15 @@ def test_subnormal_and_huge_directions_end_inside(speed):
                     assert abs(Fraction(float(t)) - end) <= abs(end) * 8 * UNIT + Fraction(2) ** -1070
 
 
+@pytest.mark.parametrize("top", [1.0, 1e200, np.inf])
+@pytest.mark.parametrize("origin", [-5e-324, -1.5e-323, -1e-310])
+def test_an_origin_that_is_subnormal_keeps_its_sign(origin, top):
+    lower, upper = np.zeros(1), np.full(1, top)
+    low = clip_slabs(lower, upper, np.array([[origin]]), np.array([[1.0]])).low[0]
+    # The end is -origin; where an error of 4u is no float it moves inwards by four of the smallest steps.
+    assert -origin <= low <= -origin + 4 * 5e-324
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_a_pixel_that_is_not_finite_is_named(bad):
     # L3
