@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from feedback.synthetic import BANDS, awkward, palette, system
+from scipy import sparse
 
 import symrt as rt
 from symrt.feedback.caps import above_one
@@ -246,3 +247,33 @@ def test_a_region_tells_itself_in_text_and_in_a_notebook():
     assert said.startswith("Of all pairs, scale of ice in 0.01 … 3 and scale of key in 0.01 … 3, ")
     assert "Of the rectangle of these ranges 25.0% is inside." in said
     assert "<p>" in found._repr_html_()
+
+
+def two_pixels(first, second):
+    """Two pixels, each of one material that reaches a perfect white at the factor given."""
+    coefficients = sparse.csr_array([[0.5 / first, 0.0], [0.0, 0.5 / second]])
+    columns = (rt.Interaction("sun", ("ice.diffuse",)), rt.Interaction("sun", ("sea.diffuse",)))
+    colours = rt.Palette(BANDS, {"sun": 1, "ice.diffuse": 1, "sea.diffuse": 1})
+    return rt.LinearSystem(coefficients, columns, height=1, width=2, white={"sun": 0.5}), colours
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.97), (1.23, 2.2), (2.99, 0.02)])
+def test_the_share_of_a_rectangle_is_its_area(first, second):
+    # Each scale ends at its own factor, whatever the other: the region is a rectangle, wherever lines stand.
+    image, colours = two_pixels(first, second)
+    unit = rt.device_gamut(rt.load_device("dye3-endura-premier"), "unit")
+    found = joint_region(image, colours, unit, rt.Scale("ice"), rt.Scale("sea"), steps=9, cap=False, progress=False)
+    area = (first - 0.01) * (second - 0.01) / (3 - 0.01) ** 2
+    assert found.share == pytest.approx(area, rel=1e-6)
+
+
+def test_the_share_ends_where_a_region_does_that_no_range_ends_at():
+    # sea, ice and their sum may not pass 1: a triangle whose tip no separate range names, once sea starts at 0.3.
+    image, colours = two_pixels(1.0, 1.0)
+    image = replace(image, G=sparse.csr_array([[0.5, 0.5], [0.0, 0.0]]))
+    unit = rt.device_gamut(rt.load_device("dye3-endura-premier"), "unit")
+    within = ((0.01, 3.0), (0.3, 3.0))
+    found = joint_region(
+        image, colours, unit, rt.Scale("ice"), rt.Scale("sea"), within=within, steps=9, cap=False, progress=False
+    )
+    assert found.share == pytest.approx((1 - 0.31) ** 2 / 2 / (2.99 * 2.7), rel=1e-4)

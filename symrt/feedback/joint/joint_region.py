@@ -5,8 +5,10 @@ pairs.  Many such lines show the region.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -15,7 +17,7 @@ from tqdm.auto import tqdm
 from symrt.feedback.along import along
 from symrt.feedback.asking import drawn
 from symrt.feedback.joint.boxes import SafeBox
-from symrt.feedback.joint.crossing import Image, Plane, image, line_at, spans_of, without_unfixable
+from symrt.feedback.joint.crossing import Image, Line, Plane, image, line_at, spans_of, without_unfixable
 from symrt.feedback.joint.freedom import safe_box
 from symrt.feedback.joint.pairs import JointRegion, given_value
 from symrt.feedback.limits import limits
@@ -37,7 +39,9 @@ Mask = Bool[np.ndarray, "height width"]
 ASKED = 200
 """Pixels that a hull, or inks, are asked about on every line."""
 NUDGE = 1e-9
-"""By which share a line stays on the inner side of where a range ends."""
+"""By which share lines stand on either side of where a range ends."""
+EDGE = 1e-5
+"""Share of the range within which the first and the last line of a region stand beside lines that hold nothing."""
 
 
 def joint_region(  # noqa: PLR0913  # a public verb names its options
@@ -120,8 +124,9 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     seen = without_unfixable(plane, seen, values)
     budget = int(allowed_out * seen.objects + 1e-9) - len(seen.outside) - len(seen.unfixable)
     across = np.linspace(*ranges[1], steps)
-    with tqdm(values, desc="joint region", unit="line", delay=1, leave=False, disable=not progress) as bar:
-        lines = [line_at(plane, seen, float(value), budget) for value in bar]
+    with tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress) as bar:
+        drawn_lines = _to_its_ends(partial(line_at, plane, seen, budget=budget), values, EDGE, bar.update)
+    values, lines = np.array(sorted(drawn_lines)), [drawn_lines[value] for value in sorted(drawn_lines)]
     found = JointRegion(
         one=one,
         other=other,
@@ -163,7 +168,7 @@ def _checked(
 
 
 def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen: Image) -> Float[np.ndarray, " line"]:
-    """Where lines are drawn: evenly, at the palette given, and just inside of where the one's ranges end."""
+    """Where lines are drawn: evenly, at the palette given, and on both sides of where the one's ranges end."""
     low, high = plane.within[0]
     ends = [*alone.intervals]
     if box is not None and isinstance(plane.one, Scale):
@@ -173,9 +178,31 @@ def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen
         line = along(seen.part, moved(seen.part, plane.palette, plane.other, value), plane.one)
         spans = spans_of(line, plane.asked, plane.within[0])
         ends += [(piece.low, piece.high) for piece in pieces(spans, plane.within[0], len(seen.pixels), "upper")]
-    kinks = [end for a, b in ends for end in (a * (1 + NUDGE), b * (1 - NUDGE))]
+    kinks = [end * nudged for pair in ends for end in pair for nudged in (1 - NUDGE, 1 + NUDGE)]
     values = np.unique([*np.linspace(low, high, steps), given_value(plane.one), *kinks])
     return values[(low <= values) & (values <= high)]
+
+
+def _to_its_ends(
+    draw: Callable[[float], Line], values: Float[np.ndarray, " line"], edge: float, tick: Callable[[], object]
+) -> dict[float, Line]:
+    """The lines at some values, and lines between one that holds pairs and one that holds none until they are close.
+
+    So a sum over the lines ends where the region does, not half a step beyond.
+    """
+    lines = {}
+    for value in values.tolist():
+        lines[value] = draw(value)
+        tick()
+    least = edge * (values[-1] - values[0])
+    for first, last in pairwise(values.tolist()):
+        while last - first > least and bool(lines[first].pieces) != bool(lines[last].pieces):
+            middle = (first + last) / 2
+            lines[middle] = draw(middle)
+            tick()
+            same = bool(lines[middle].pieces) == bool(lines[first].pieces)
+            first, last = (middle, last) if same else (first, middle)  # noqa: PLW2901  the pair closes in
+    return lines
 
 
 def _box(plane: Plane, gamut: ConvexGamut | UnevenGamut, reference: Reference | None) -> SafeBox | None:
