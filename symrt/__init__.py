@@ -56,6 +56,7 @@ _NAMES = {
         "save_palettes",
         "shade",
         "spectrum",
+        "srgb",
         "to_rgb",
         "wavelengths",
     ],

@@ -7,10 +7,10 @@ import difflib
 import re
 from collections.abc import Iterable
 
-__all__ = ["NAME", "SceneError", "refuse", "require", "shown", "suggestion"]
-
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called."""
+RESERVED = ("bands", "unphysical")
+"""Keys of a palette's table in a file: no light can be called so."""
 
 
 class SceneError(ValueError):
@@ -52,6 +52,8 @@ def require(name: str, value: object, kind: type | tuple[type, ...], remedy: str
     Traceback (most recent call last):
     TypeError: palette is a str, 'macbeth': give load_palettes(path)
     """
+    if isinstance(value, type):
+        raise TypeError(f"{name} is the class {value.__name__}: give {remedy}")
     if not isinstance(value, kind):
         raise TypeError(f"{name} is a {type(value).__name__}, {shown(value)}: give {remedy}")
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Kind",
+    "against",
     "alternatives_of",
     "bands_of",
     "formula_of",
@@ -140,6 +141,14 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
     if name not in palettes:
         raise ValueError(f"--palette {shown(name)}: {where} has none of this name; {suggestion(name, palettes)}")
     return palettes[name]
+
+
+def against(system: "LinearSystem", palette: "Palette", source: str, file: str | None, name: str) -> "Palette":
+    """The palette with the white that another palette of the same file has under the scene's lights."""
+    other = palette_of(source, file, name)
+    if other.bands != palette.bands:
+        raise ValueError(f"--white-of {shown(name)}: it is in {other.bands!r} and the palette in {palette.bands!r}")
+    return replace(palette, white=rt.Reference().white(system, other))
 
 
 class Kind(NamedTuple):

@@ -197,5 +197,5 @@ def _check_files(out: Path | None, plot: Path | None) -> None:
 def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> None:
     """A picture is seen as the fit was asked; other files hold the radiances as they are."""
     seen = question.seen
-    view = {"exposure": seen.exposure, "reference": seen.white(system, palette)} if out.suffix.lower() == ".png" else {}
+    view = {"exposure": seen.exposure, "white": seen.white(system, palette)} if out.suffix.lower() == ".png" else {}
     rt.save_image(out, image, **view)

@@ -111,9 +111,9 @@ def _segments(
     from symrt.explore.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
     from symrt.explore.study import materials  # noqa: PLC0415
     from symrt.explore.tables import segments_record, segments_table  # noqa: PLC0415
-    from symrt.spectra.reference import whites  # noqa: PLC0415
+    from symrt.spectra.reference import key_light  # noqa: PLC0415
 
-    light = reference or next(iter(whites(system, spectra)), None)
+    light = reference or key_light(system, spectra)
     seen = [name for name in materials(system) if name in diffuse_materials(spectra)]
     segments = segments_of(found, spectra, seen, light=light, **asked)
     if plot is not None:

@@ -47,6 +47,7 @@ __all__ = [
     "Towards",
     "ViewingLight",
     "Weights",
+    "WhiteOf",
     "Within",
 ]
 
@@ -64,6 +65,10 @@ Exposure = Annotated[float, typer.Option("--exposure", help="Factor on every rad
 Reference = Annotated[
     str | None,
     typer.Option("--reference", help="White of a light, equal-energy, illuminant/...; else the key light's."),
+]
+WhiteOf = Annotated[
+    str | None,
+    typer.Option("--white-of", help="Seen against the white of this palette of the same file: a dimmed lamp dims."),
 ]
 DeviceName = Annotated[
     str, typer.Option("--device", help="A device, a chart's file, a gamut saved as .npz, or several joined by +.")

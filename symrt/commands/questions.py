@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import Kind, bands_of, gamut_of, palette_of, system_of
+from symrt.commands.arguments import Kind, against, bands_of, gamut_of, palette_of, system_of
 from symrt.commands.masks import parted
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class Picture:
     palettes: option.PaletteFile = None
     split: option.Split = None
     reference: option.Reference = None
+    white_of: option.WhiteOf = None
     exposure: option.Exposure = 1.0
     size: option.Size = None
     device: option.DeviceName = option.DEVICE
@@ -45,12 +46,17 @@ class Picture:
     @cached_property
     def seen(self) -> "Reference":
         """The white and the exposure."""
+        if self.reference is not None and self.white_of is not None:
+            raise ValueError("--reference and --white-of both choose the white: give one of them")
         return rt.Reference(self.reference, self.exposure)
 
     def rendered(self, asked: "Sequence[Parameter]" = ()) -> "tuple[LinearSystem, Palette]":
         """The system and the palette, with names for the regions that were split off."""
         given, _ = self.given, self.seen
-        return parted(system_of(self.source, self.size, asked), given, self.split)
+        system = system_of(self.source, self.size, asked)
+        if self.white_of is not None:
+            given = against(system, given, self.source, self.palettes, self.white_of)
+        return parted(system, given, self.split)
 
 
 @dataclass(frozen=True)

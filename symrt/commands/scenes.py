@@ -9,7 +9,7 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import formula_of, pairs_of, palette_of, scene_of, system_of, writable
+from symrt.commands.arguments import against, formula_of, pairs_of, palette_of, scene_of, system_of, writable
 from symrt.explore.writing import json_text
 
 __all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
@@ -102,18 +102,25 @@ def shade(
     palettes: option.PaletteFile = None,
     exposure: option.Exposure = 1.0,
     reference: option.Reference = None,
+    white_of: option.WhiteOf = None,
     size: option.Size = None,
 ) -> None:
     """Make a picture with a palette.
 
+    White is the palette's own if it carries one, or else the key light's, however dim that is: --white-of fixes it.
+
     Example: symrt shade globe.npz --palettes globe --palette macbeth --out globe.png
     """
+    if reference is not None and white_of is not None:
+        raise ValueError("--reference and --white-of both choose the white: give one of them")
     spectra = palette_of(source, palettes, palette)
     out = writable(out or Path(f"{Path(source).stem}.png"), *option.PICTURES)
     system = system_of(source, size)
+    if white_of is not None:
+        spectra = against(system, spectra, source, palettes, white_of)
     image = rt.shade(system, spectra)
     white = rt.Reference(reference).white(system, spectra) if reference else None
-    rt.save_image(out, image, exposure=exposure, reference=white)
+    rt.save_image(out, image, exposure=exposure, white=white)
     typer.echo(f"{out}: {image!r}, shaded in {image.seconds:.3f} s")
 
 

@@ -20,8 +20,8 @@ from symrt.explore.writing import write_whole
 from symrt.feedback import Fit
 from symrt.scene import Scene
 from symrt.spectra import Palette, shade
-from symrt.spectra.display import clipped
 from symrt.spectra.files import png_bytes
+from symrt.spectra.viewing import clipped
 
 __all__ = ["Product", "write_demo"]
 

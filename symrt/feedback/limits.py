@@ -24,7 +24,7 @@ from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference, whites
+from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade, tail_bound
 from symrt.system import LinearSystem
 
@@ -148,7 +148,6 @@ def limits(
             "load_device(name, palette.bands)"
         )
     reference = reference or Reference()
-    name = reference.light or next(iter(whites(system, palette)), "")
     white = reference.white(system, palette)
     visible = white >= INVISIBLE * white.max()
     under = gamut.under(white)
@@ -167,7 +166,7 @@ def limits(
         luminance=weights * shown,
         blackest=max((float((device.samples @ weights).min()) for device in gamut.devices), default=0.0),
         masked=~visible,
-        reference=f"reference {name}, exposure {reference.exposure:g}",
+        reference=f"reference {reference.called(system, palette)}, exposure {reference.exposure:g}",
         cut_off=0.0 if left_out is None else float(left_out.max()),
         solids=tuple(_solid(part, shown) for part in parts if _has_own_black(part)),
     )

@@ -12,6 +12,7 @@ from symrt.feedback.parameters import Blend, Parameter
 from symrt.feedback.sensitivity import Sensitivity, sentence
 from symrt.feedback.shares import Curve
 from symrt.spectra.palette import Palette
+from symrt.spectra.reference import Reference
 from symrt.table import html_table, text_table
 
 __all__ = ["Feasible", "Fit", "Reason", "Side"]
@@ -188,7 +189,10 @@ class Fit:
     Parameters
     ----------
     palette
-        The spectra that reproduce it: ``shade(system, fit.palette)``.
+        The spectra that reproduce it: ``shade(system, fit.palette)``.  It carries the white of `reference`, also into a
+        file, so that it is seen and asked about as it was fitted.
+    reference
+        The white and the exposure that the fit was asked with, fixed.
     values
         What each spectrum was multiplied by.
     reasons
@@ -237,6 +241,7 @@ class Fit:
     rows: int
     note: str
     width: int
+    reference: Reference
     seconds: float
 
     @property

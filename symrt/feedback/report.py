@@ -21,7 +21,7 @@ from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference, whites
+from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, text_table
 
@@ -173,7 +173,7 @@ def report(
     answers = [_answer(gamut.under(white), image) for gamut in gamuts]
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
     verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)
-    note = f"reference {reference.light or next(iter(whites(system, palette)))}, exposure {reference.exposure:g}"
+    note = f"reference {reference.called(system, palette)}, exposure {reference.exposure:g}"
     if titles := dict.fromkeys(d.title for gamut in gamuts for d in gamut.devices if d.modelled):
         note += f"; modelled: {', '.join(titles)}"
     return Report(verdicts, pixels.size, objects.size, note)

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from symrt.errors import shown, suggestion
+from symrt.errors import RESERVED, shown, suggestion
 from symrt.reading import inside
 from symrt.scene.checks import check_name
 
@@ -29,6 +29,8 @@ def name_faults(names: Keyed) -> Iterator[str]:
     for key, name in names:
         bad = list(check_name("name", name))
         yield from (f"{key}: {fault}" for fault in bad)
+        if name in RESERVED:
+            yield f"{key}: the name {name!r} is a key of palettes in files, where it would be lost; choose another"
         if not bad and name in owner:
             rule = "lights, materials and textures share names, so rename one"
             yield f"{key}: the name {name!r} is already used in {owner[name]}; {rule}"

@@ -1,14 +1,15 @@
 """Step 3: spectra by name, products of spectra, and images."""
 
 from symrt.spectra.bands import RGB, Bands, coordinates, wavelengths
-from symrt.spectra.display import clipped, display_matrix, luminance_weights, to_rgb
+from symrt.spectra.display import display_matrix, luminance_weights
 from symrt.spectra.files import save_image
 from symrt.spectra.image import SpectralImage
-from symrt.spectra.library import spectrum
+from symrt.spectra.library import spectrum, srgb
 from symrt.spectra.palette import Palette
 from symrt.spectra.palettes_file import load_palettes, save_palettes
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import gamma, preview, shade
+from symrt.spectra.viewing import clipped, to_rgb
 
 __all__ = [
     "RGB",
@@ -27,6 +28,7 @@ __all__ = [
     "save_palettes",
     "shade",
     "spectrum",
+    "srgb",
     "to_rgb",
     "wavelengths",
 ]

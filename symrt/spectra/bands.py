@@ -137,6 +137,8 @@ def check_wavelengths(nm: Float[np.ndarray, " sample"], name: str) -> None:
         raise ValueError(f"{name}: no wavelengths")
     if not np.all(np.isfinite(nm)):
         raise ValueError(f"{name}: wavelength {nm[~np.isfinite(nm)][0]} is not a number of nanometres")
+    if nm.max() < 1e-5:
+        raise ValueError(f"{name}: wavelengths {nm[0]:g} … {nm[-1]:g} look like metres: multiply by 1e9 for nm")
     if nm.max() < 10:
         raise ValueError(f"{name}: wavelengths {nm[0]:g} … {nm[-1]:g} look like micrometres: multiply by 1000 for nm")
     outside = (nm < SHORTEST) | (nm > LONGEST)

@@ -16,68 +16,12 @@ from jaxtyping import Float, Int, UInt8
 
 from symrt.arrays import Spectrum
 from symrt.errors import suggestion
-from symrt.spectra.bands import Bands, Number
-from symrt.spectra.image import SpectralImage
+from symrt.spectra.bands import Bands
 from symrt.spectra.library import colour_science, spectrum
-
-__all__ = ["clipped", "display_matrix", "encode", "linear_rgb", "luminance_weights", "to_rgb", "to_rgb8"]
 
 CELLS = 1 << 16
 """Cells of the table that encodes to 8 bits; none holds two of the 255 thresholds."""
 UNDECIDED = -1
-
-
-def to_rgb(
-    image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None
-) -> Float[np.ndarray, "height width 3"]:
-    """The image in encoded sRGB, from 0 to 1; what a screen cannot show is clipped, see `clipped`.
-
-    Parameters
-    ----------
-    exposure
-        Factor on every radiance; at 1 the reference white is the screen's white.
-    reference
-        A light of the scene; ``"equal-energy"`` or a viewing illuminant such as ``"illuminant/A"``, as bright as the
-        key light's white; None, the key light; or the radiance of a white.  Give one image's white to another to
-        compare them: against its own white, a dimmer light makes the same picture.
-
-    Examples
-    --------
-    >>> from symrt.spectra.bands import RGB
-    >>> image = SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, whites={"sun": np.ones(3)})
-    >>> to_rgb(image).round(3).tolist()
-    [[[1.0, 0.735, 0.0]]]
-    """
-    return encode(linear_rgb(image, exposure, reference))
-
-
-def linear_rgb(
-    image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None
-) -> Float[np.ndarray, "height width 3"]:
-    """The image in linear sRGB, not clipped: below 0 or above 1 where a screen cannot follow."""
-    if image.bands.kind == "coordinate":
-        raise ValueError("the image holds basis coordinates: shade it without basis= to see it")
-    if not (np.isfinite(exposure) and exposure > 0):
-        raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
-    if reference is None or isinstance(reference, str):
-        white = white_among(image.whites, reference, image.bands)
-    else:
-        white = reference
-    return image.values @ (exposure * display_matrix(image.bands, white))
-
-
-def clipped(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None) -> float:
-    """The share of pixels that a screen cannot show: some component below 0 or above 1, and clipped by `to_rgb`.
-
-    Examples
-    --------
-    >>> from symrt.spectra.bands import RGB
-    >>> clipped(SpectralImage(np.array([[[1.0, 0.5, 0.0], [1.5, 1, 1]]]), RGB, whites={"sun": np.ones(3)}))
-    0.5
-    """
-    linear = linear_rgb(image, exposure, reference)
-    # White itself may come out a few ulp above 1.
-    return float(np.mean(((linear < -1e-9) | (linear > 1 + 1e-9)).any(axis=-1)))
 
 
 def display_matrix(bands: Bands, white: Spectrum) -> Float[np.ndarray, "band 3"]:
@@ -120,7 +64,7 @@ def luminance_weights(bands: Bands) -> Spectrum:
 def white_among(whites: Mapping[str, Spectrum], name: str | None, bands: Bands) -> Spectrum:
     """The white that a name means: a light's; None, the key light's; else another one, as bright as the key light's."""
     if not whites:
-        raise ValueError("no light shines, so that there is no reference white: give its radiance as reference=")
+        raise ValueError("no light shines, so that there is no reference white: give its radiance as white=")
     key = next(iter(whites.values()))
     if name is None or name in whites:
         return key if name is None else whites[name]

@@ -12,18 +12,17 @@ from pathlib import Path
 
 import imageio.v3 as imageio
 import numpy as np
-from jaxtyping import UInt8
 
 from symrt.arrays import Spectrum
 from symrt.spectra.bands import Number
-from symrt.spectra.display import linear_rgb, to_rgb8
+from symrt.spectra.display import to_rgb8
 from symrt.spectra.image import SpectralImage
-
-__all__ = ["encode_png", "png_bytes", "save_image"]
+from symrt.spectra.png import encode_png
+from symrt.spectra.viewing import linear_rgb
 
 
 def save_image(
-    path: str | Path, image: SpectralImage, *, exposure: Number = 1.0, reference: Spectrum | str | None = None
+    path: str | Path, image: SpectralImage, *, exposure: Number = 1.0, white: Spectrum | str | None = None
 ) -> None:
     """Write an image to a file, whole or not at all; the name's ending chooses the format.
 
@@ -44,12 +43,12 @@ def save_image(
     ending = path.suffix.lower()
     if ending not in (".png", *WRITERS):
         raise ValueError(f"{path}: {ending or 'no ending'!r} is not a format: use .png, .tif, .npz or .exr")
-    if ending != ".png" and (exposure != 1 or reference is not None):
-        raise ValueError(f"{path}: exposure and reference are for pictures; {ending} holds the radiances as they are")
+    if ending != ".png" and (exposure != 1 or white is not None):
+        raise ValueError(f"{path}: exposure and white are for pictures; {ending} holds the radiances as they are")
     partial = path.with_name(path.name + ".partial")
     try:
         if ending == ".png":
-            partial.write_bytes(png_bytes(image, exposure, reference))
+            partial.write_bytes(png_bytes(image, exposure, white))
         else:
             WRITERS[ending](partial, image)
         partial.replace(path)
@@ -57,14 +56,9 @@ def save_image(
         partial.unlink(missing_ok=True)
 
 
-def png_bytes(image: SpectralImage, exposure: Number = 1.0, reference: Spectrum | str | None = None) -> bytes:
-    """The picture as an 8-bit sRGB PNG."""
-    return encode_png(to_rgb8(linear_rgb(image, exposure, reference)))
-
-
-def encode_png(codes: UInt8[np.ndarray, "height width 3"]) -> bytes:
-    """8-bit sRGB, such as a `preview`, as a PNG."""
-    return imageio.imwrite("<bytes>", codes, extension=".png")
+def png_bytes(image: SpectralImage, exposure: Number = 1.0, white: Spectrum | str | None = None) -> bytes:
+    """The picture as an 8-bit PNG that says it is sRGB."""
+    return encode_png(to_rgb8(linear_rgb(image, exposure, white)))
 
 
 def _write_npz(path: Path, image: SpectralImage) -> None:

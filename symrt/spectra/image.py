@@ -8,8 +8,7 @@ from jaxtyping import Float
 
 from symrt.arrays import Spectrum
 from symrt.spectra.bands import Bands
-
-__all__ = ["SpectralImage"]
+from symrt.spectra.display import display_matrix, to_rgb8
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,8 +22,8 @@ class SpectralImage:
     bands
         What the last axis counts.
     whites
-        For each light that shines, the radiance of a perfect diffuser that faces it, the key light's first; empty for
-        coordinates.
+        For each light that shines, the radiance of a perfect diffuser that faces it, the key light's first; before
+        them the white that the palette carries, if it does.  Empty for coordinates.
     cut_off
         For each band, a bound on what the depth limit left out of any pixel; infinite where there is no certificate,
         because a material may reflect everything, a reflectance passes 1 or a light's irradiance is unknown; None if
@@ -45,7 +44,7 @@ class SpectralImage:
 
     @property
     def white(self) -> Spectrum | None:
-        """Radiance of the key light's reference white."""
+        """Radiance of the reference white: the one that the palette carries, or else the key light's."""
         return next(iter(self.whites.values()), None)
 
     @property
@@ -62,6 +61,17 @@ class SpectralImage:
     def _repr_png_(self) -> bytes | None:
         if self.bands.kind == "coordinate" or self.white is None:
             return None
-        from symrt.spectra.files import png_bytes  # noqa: PLC0415  # only a notebook needs the encoder
+        from symrt.spectra.png import encode_png  # noqa: PLC0415  # only a notebook needs the encoder
 
-        return png_bytes(self)
+        return encode_png(to_rgb8(self.values @ display_matrix(self.bands, self.white)))
+
+    def __array__(self, dtype: np.dtype | type | None = None, *, copy: bool | None = None) -> np.ndarray:
+        """The radiances, so that NumPy and matplotlib take an image where they take an array.
+
+        Examples
+        --------
+        >>> from symrt.spectra.bands import RGB
+        >>> np.asarray(SpectralImage(np.zeros((2, 3, 3)), RGB)).shape
+        (2, 3, 3)
+        """
+        return np.array(self.values, dtype=dtype, copy=copy)

@@ -21,9 +21,8 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
+from symrt.errors import shown
 from symrt.spectra.bands import Bands, resample
-
-__all__ = ["names", "spectrum"]
 
 OBSERVER = "CIE 1931 2 Degree Standard Observer"
 
@@ -38,7 +37,8 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     Parameters
     ----------
     name
-        ``macbeth/dark skin``, ``illuminant/D65`` …; see `names`.
+        ``macbeth/dark skin``, ``illuminant/D65`` …; see `names`.  Or a colour as the web writes it, ``#c08a3e``: see
+        `srgb` and `from_rgb`.
     reflectance
         Refuse a light where a reflectance is meant, or the reverse; None takes either.
 
@@ -50,6 +50,8 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     >>> spectrum("illuminant/E", wavelengths(400, 700, 100))
     array([1., 1., 1., 1.])
     """
+    if name.lstrip().startswith("#"):
+        return from_rgb(srgb(name), bands, reflectance=reflectance is not False)
     group, nm, values, found = _look_up(_key(name), name)
     if reflectance is not None and reflectance != (group == "macbeth"):
         is_, meant = ("a reflectance", "a light") if group == "macbeth" else ("a light", "a reflectance")
@@ -74,6 +76,31 @@ def names() -> tuple[str, ...]:
     ['macbeth/dark skin', 'macbeth/light skin']
     """
     return tuple(f"{group}/{name}" for group, tables in _tables().items() for name in tables)
+
+
+def srgb(colour: str) -> Float[np.ndarray, "3"]:
+    """Linear red, green and blue of a colour as the web writes it, encoded sRGB: ``#c08a3e``, or ``#ca4`` for short.
+
+    In RGB palettes it is a spectrum as it stands; at wavelengths write the text itself, ``"#c08a3e"``, which stands for
+    a smooth spectrum of that colour, see `from_rgb`.
+
+    Raises
+    ------
+    ValueError
+        If it is no such colour.
+
+    Examples
+    --------
+    >>> srgb("#ff8000").round(4)
+    array([1.    , 0.2159, 0.    ])
+    """
+    digits = colour.strip()[1:]
+    if not re.fullmatch(r"\s*#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})\s*", colour):
+        raise ValueError(f"{shown(colour)} is no colour: write # and six hexadecimal digits, such as '#c08a3e'")
+    pairs = [digit * 2 for digit in digits] if len(digits) == 3 else re.findall("..", digits)
+    encoded = np.array([int(pair, 16) for pair in pairs]) / 255
+    # The constant 0.04045 is where the standard's straight part joins the power, seen from the encoded side.
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def from_rgb(rgb: Float[np.ndarray, "3"], bands: Bands, *, reflectance: bool) -> Spectrum:

@@ -15,11 +15,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.errors import NAME, shown
+from symrt.errors import NAME, RESERVED, shown
 from symrt.spectra.bands import Bands, resample
 from symrt.spectra.library import spectrum as library_spectrum
-
-__all__ = ["Palette", "SpectrumLike", "is_reflectance"]
 
 SpectrumLike = (
     Float[np.ndarray, " _"] | Int[np.ndarray, " _"] | Sequence[float | int | np.number] | float | int | np.number | str
@@ -42,6 +40,9 @@ class Palette:
         Afterwards every one of them is a read-only float64 array.
     unphysical
         Permits reflectances above 1; it is carried along by `replace`, `add` and `on`.
+    white
+        Radiance of the white that the spectra are meant to be seen against, as `Fit` found them: it stays when a light
+        is replaced, so that a dimmer lamp makes a dimmer picture.  None: the key light's, whatever it is.
 
     Examples
     --------
@@ -54,6 +55,7 @@ class Palette:
     bands: Bands
     spectra: Mapping[str, SpectrumLike]
     unphysical: bool = False
+    white: SpectrumLike | None = None
 
     def __post_init__(self) -> None:
         if self.bands.kind == "coordinate":
@@ -66,6 +68,11 @@ class Palette:
                 arrays[name] = _checked(name, value, self.bands, self.unphysical)
             except ValueError as error:
                 faults.append(str(error))
+        if self.white is not None:
+            try:
+                object.__setattr__(self, "white", _checked("white", self.white, self.bands, unphysical=True))
+            except ValueError as error:
+                faults.append(f"the palette's white: {error}")
         if faults:
             raise ValueError("\n".join(faults))
         object.__setattr__(self, "spectra", MappingProxyType(arrays))
@@ -119,7 +126,9 @@ class Palette:
         if self.bands.kind != "wavelength":
             raise ValueError(f"a palette in {self.bands!r} has no spectra to resample to {bands!r}: give wavelengths")
         nm = np.array(self.bands.centres)
-        return replace(self, bands=bands, spectra={name: resample(nm, self[name], bands, repr(name)) for name in self})
+        spectra = {name: resample(nm, self[name], bands, repr(name)) for name in self}
+        white = None if self.white is None else resample(nm, np.asarray(self.white), bands, "the palette's white")
+        return replace(self, bands=bands, spectra=spectra, white=white)
 
     def __getitem__(self, name: str) -> Spectrum:
         if name not in self.spectra:
@@ -135,9 +144,14 @@ class Palette:
     def __len__(self) -> int:
         return len(self.spectra)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """The symbols, for ``palette["<Tab>``."""
+        return list(self)
+
     def __repr__(self) -> str:
         above = ", unphysical" if self.unphysical else ""
-        return f"Palette({self.bands!r}, {', '.join(self)}{above})"
+        fixed = "" if self.white is None else ", with its white"
+        return f"Palette({self.bands!r}, {', '.join(self)}{above}{fixed})"
 
     def _repr_html_(self) -> str:
         rows = "".join(
@@ -164,6 +178,8 @@ def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> 
     """A read-only array for one symbol, or the one-line reason why there is none."""
     if not SYMBOL.fullmatch(name):
         raise ValueError(f"{shown(name)}: a symbol is a light's name, or material.component; letters, digits, '_'")
+    if name in RESERVED:
+        raise ValueError(f"{name!r}: palette files have a key of this name; call the light otherwise")
     given = library_spectrum(value, bands, reflectance=is_reflectance(name)) if isinstance(value, str) else value
     try:
         array = np.array(given, dtype=np.float64)

@@ -5,10 +5,12 @@
 bands = [380, 730, 10]                # first, last and step in nm, or "rgb", or { centres = [ … ] }
 sun = "illuminant/D65"                # a name of the library
 sky = { spectrum = "illuminant/D65", scale = 0.3 }
+"clay.diffuse" = "#c08a3e"            # a colour as the web writes it, encoded sRGB
 "red.diffuse" = { rgb = [0.8, 0.1, 0.1] }
 "red.specular" = 0.04                 # the same in all bands; or a list, one value a band
 "gold.specular" = { file = "gold.csv" }   # two columns, nm and value, in the scene's folder
 unphysical = true                     # permits reflectances above 1
+reference-white = 0.3                 # radiance of the white it is seen against, or a list; else the key light's
 ```
 """
 
@@ -28,14 +30,22 @@ from symrt.spectra.bands import RGB, Bands, resample, wavelengths
 from symrt.spectra.library import from_rgb, spectrum
 from symrt.spectra.palette import Palette, SpectrumLike, is_reflectance
 
-__all__ = ["load_palettes", "save_palettes"]
-
 SOURCES = ("spectrum", "rgb", "file")
+WHITE = "reference-white"
+KEYS = ("bands", "unphysical", WHITE)
+"""Keys of a palette's table that are no symbols."""
 LARGEST_TABLE = 1 << 20
 """Bytes that a file with one spectrum may have."""
 
 
-def load_palettes(path: str | Path) -> dict[str, Palette]:
+class Palettes(dict[str, Palette]):
+    """Palettes by name; one that is not there is named, with the nearest that is."""
+
+    def __missing__(self, name: object) -> Palette:
+        raise KeyError(f"no palette {shown(name)}: {suggestion(str(name), self)}")
+
+
+def load_palettes(path: str | Path) -> Palettes:
     r"""The palettes of a file, by name; nothing else in the file is looked at.
 
     Raises
@@ -59,7 +69,7 @@ def load_palettes(path: str | Path) -> dict[str, Palette]:
     faults = [f"{path}: {key} {fault}" for key, fault in number_faults({"palettes": tables})]
     if faults:
         raise SceneError("\n".join(faults))
-    palettes = {}
+    palettes = Palettes()
     for name, table in tables.items():
         try:
             palettes[name] = _palette(name, table, path.parent)
@@ -112,8 +122,11 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
     if not isinstance(unphysical, bool):
         raise SceneError(f"unphysical = {shown(unphysical)}: write true or false")
     spectra, faults = _spectra(table, bands, folder)
+    white = table.get(WHITE)
+    if white is not None and not (isinstance(white, list) or _is_number(white)):
+        raise SceneError(f"{WHITE} = {shown(white)}: give its radiance, one number a band")
     try:
-        palette = Palette(bands, spectra, unphysical)
+        palette = Palette(bands, spectra, unphysical, _numbers(white, len(bands)) if isinstance(white, list) else white)
     except ValueError as error:
         refuse([*faults, *_lines(error)])
         raise
@@ -151,7 +164,7 @@ def _bands(value: object) -> Bands:
 def _symbols(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Symbols and values; ``red.diffuse`` without quotes is the same, although TOML reads a table in a table."""
     for key, value in table.items():
-        if key in ("bands", "unphysical"):
+        if key in KEYS:
             continue
         if isinstance(value, dict) and value and not set(value) & {*SOURCES, "scale"}:
             yield from ((f"{key}.{component}", inner) for component, inner in value.items())
@@ -224,7 +237,8 @@ def _table(palette: Palette) -> dict[str, Any]:
     else:
         bands = _evenly(palette.bands) or {"centres": [float(c) for c in palette.bands.centres]}
     spectra = {name: float(s[0]) if np.all(s == s[0]) else s.tolist() for name, s in _arrays(palette)}
-    return {"bands": bands, **({"unphysical": True} if palette.unphysical else {}), **spectra}
+    fixed = {} if palette.white is None else {WHITE: np.asarray(palette.white).tolist()}
+    return {"bands": bands, **({"unphysical": True} if palette.unphysical else {}), **fixed, **spectra}
 
 
 def _arrays(palette: Palette) -> Iterator[tuple[str, Float[np.ndarray, " band"]]]:

@@ -4,17 +4,17 @@ Pixels are radiances, gamuts are reflectances: ``r = exposure · p / w``, where 
 diffuser that stands at the camera's target, faces the key light, and is lit by it alone.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from symrt.arrays import Spectrum
+from symrt.errors import shown
 from symrt.spectra.bands import Number
 from symrt.spectra.display import white_among
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
-
-__all__ = ["Reference", "whites"]
 
 
 @dataclass(frozen=True)
@@ -25,15 +25,29 @@ class Reference:
     ----------
     light
         A light of the scene; or ``"equal-energy"``, a constant; or a viewing illuminant such as ``"illuminant/A"``.
-        The last two get the luminance of the key light's white.  None: the key light, see `whites`.
+        The last two get the luminance of the first white.  None: the white that the palette carries, or else the key
+        light's, see `whites`.
     exposure
         Factor on every radiance.
+    radiance
+        Of a white that is fixed, one number a band, whatever the palette; `light` then only says whose it was.
+
+    Examples
+    --------
+    >>> Reference("sun", radiance=[1.0, 1.0, 0.5]).radiance
+    (1.0, 1.0, 0.5)
     """
 
     light: str | None = None
     exposure: Number = 1.0
+    radiance: Sequence[float] | Spectrum | None = None
 
     def __post_init__(self) -> None:
+        if self.radiance is not None:
+            values = tuple(float(value) for value in self.radiance)
+            if not (all(np.isfinite(value) and value >= 0 for value in values) and any(values)):
+                raise ValueError(f"radiance = {shown(values)}: a white is finite, not negative, and not black")
+            object.__setattr__(self, "radiance", values)
         if not (np.isfinite(self.exposure) and self.exposure > 0):
             raise ValueError(
                 f"exposure = {self.exposure}: it must be above 0, and 1 shows the reference white as white"
@@ -57,6 +71,13 @@ class Reference:
         >>> Reference("sun").white(system, Palette(RGB, {"sun": np.pi}))
         array([1., 1., 1.])
         """
+        if self.radiance is not None:
+            if len(self.radiance) != len(palette.bands):
+                raise ValueError(
+                    f"the reference's white has {len(self.radiance)} bands and the palette {palette.bands!r}: give one "
+                    "on the same bands"
+                )
+            return np.array(self.radiance)
         shining = whites(system, palette)
         if not shining:
             raise ValueError(f"none of the scene's lights ({', '.join(system.lights)}) shines in this palette")
@@ -64,13 +85,45 @@ class Reference:
             raise ValueError(f"the reference light {self.light!r} is black: choose another, or 'equal-energy'")
         return white_among(shining, self.light, palette.bands)
 
+    def called(self, system: LinearSystem, palette: Palette) -> str:
+        """The white in a word or two: the name of a light, or of what else it is."""
+        if self.radiance is not None:
+            return f"{self.light} as it was" if self.light else "a fixed white"
+        return self.light or next(iter(whites(system, palette)), "")
+
+    def kept(self, system: LinearSystem, palette: Palette) -> "Reference":
+        """The same reference with its white fixed, so that no later change of the palette moves it."""
+        name = self.light if self.radiance is not None else self.called(system, palette)
+        return Reference(name, self.exposure, self.white(system, palette))
+
+
+GIVEN = "the palette's white"
+"""What the white that a palette carries is called; no light can have this name."""
+
 
 def whites(system: LinearSystem, palette: Palette) -> dict[str, Spectrum]:
     """For each light that shines, the radiance of a perfect diffuser that faces it; the key light's first.
+
+    Before them stands the white that the palette carries, if it does.
 
     The key light is the first light of the scene that is not ambient.  An ambient one is known by its coefficient, 1: a
     diffuser returns exactly the radiance that surrounds it.
     """
     shining = {name: value * palette[name] for name, value in system.white.items() if name in palette and value > 0}
     lit = {name: white for name, white in shining.items() if white.any()}
-    return dict(sorted(lit.items(), key=lambda item: system.white[item[0]] == 1.0))
+    own = {} if palette.white is None else {GIVEN: np.asarray(palette.white, dtype=float)}
+    return own | dict(sorted(lit.items(), key=lambda item: system.white[item[0]] == 1.0))
+
+
+def key_light(system: LinearSystem, palette: Palette) -> str | None:
+    """The first light of the scene that shines and is not ambient; an ambient one if no other does; None if none.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from symrt.spectra.bands import RGB
+    >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sky": 1.0, "sun": 1 / np.pi})
+    >>> key_light(system, Palette(RGB, {"sky": 1, "sun": 2}))
+    'sun'
+    """
+    return next((name for name in whites(system, palette) if name != GIVEN), None)

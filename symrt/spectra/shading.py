@@ -4,8 +4,11 @@
 ``G (Γ Bᵀ)``: products of coordinates are not coordinates of products.
 """
 
+import difflib
+import re
 import time
-from collections.abc import Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -13,14 +16,13 @@ from jaxtyping import Bool, Float, UInt8
 from scipy import sparse
 
 from symrt.arrays import Spectrum
+from symrt.errors import require
 from symrt.spectra.bands import Bands, Number, coordinates
 from symrt.spectra.display import display_matrix, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
 from symrt.system import Interaction, LinearSystem, Tail
-
-__all__ = ["gamma", "preview", "shade"]
 
 Gamma = Float[np.ndarray, "interaction band"]
 Vectors = Float[np.ndarray, "component band"]
@@ -70,6 +72,7 @@ def shade(
     [[[0.8, 0.1, 0.0], [0.0, 0.0, 0.0]]]
     """
     start = time.perf_counter()
+    check_kinds(system, palette)
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     vectors = None if basis is None else _vectors(basis, palette.bands)
     cut_off = None if system.tail is None else tail_bound(system.tail, palette)
@@ -85,6 +88,49 @@ def shade(
         cut_off=cut_off,
         seconds=time.perf_counter() - start,
     )
+
+
+def check_kinds(system: LinearSystem, palette: Palette) -> None:
+    """Refuse arguments that were swapped, or not yet made, and warn of entries of a palette that seem misspelt.
+
+    Raises
+    ------
+    TypeError
+        That says which argument is what, and what makes the right one.
+    """
+    require("system", system, LinearSystem, "render(scene)")
+    require("palette", palette, Palette, "one of load_palettes(path)")
+    for name, meant in misspelt(system, palette).items():
+        warnings.warn(f"the palette's {name!r} is nothing in this scene: did you mean {meant!r}?", stacklevel=3)
+
+
+def misspelt(system: LinearSystem, palette: Palette) -> dict[str, str]:
+    """Entries of a palette that no scene's symbol has the name of, but one nearly, and that one.
+
+    A palette may serve several scenes: what is like nothing in this one is left alone.
+
+    Examples
+    --------
+    >>> system = LinearSystem(sparse.csr_array((1, 0)), (), 1, 1, {"sun": 1.0}, {"brass": "direct = diffuse*n_dot_l"})
+    >>> from symrt.spectra.bands import RGB
+    >>> misspelt(system, Palette(RGB, {"sun": 1, "sea.diffuse": 1, "bras.diffuse": 1, "brass.difuse": 1}))
+    {'bras.diffuse': 'brass.diffuse', 'brass.difuse': 'brass.diffuse'}
+    """
+    # A material's text holds its formulas, and so the components that it has, whether or not a pixel shows them.
+    words = {material: set(re.findall(r"[A-Za-z]\w*", text)) for material, text in system.models.items()}
+    known, found = {*system.lights, *system.reflectances}, {}
+    for name in palette:
+        material, dot, component = name.partition(".")
+        if name in known or component in words.get(material, ()) or ">" in name:
+            continue
+        near = _near(component, words[material]) if material in words else _near(material, words if dot else known)
+        if near:
+            found[name] = f"{material}.{near}" if material in words else near + dot + component
+    return found
+
+
+def _near(word: str, known: Collection[str]) -> str:
+    return next(iter(difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.85)), "")
 
 
 def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
@@ -196,6 +242,17 @@ def preview(
 ) -> UInt8[np.ndarray, "height width 3"]:
     """The picture in 8-bit sRGB without its spectra: ``G (Γ C)``, projected before the product.
 
+    Parameters
+    ----------
+    exposure
+        Factor on every radiance.
+    parameters
+        A value for each parameter that the system kept free.
+    white
+        Radiance of what is shown as white, in the palette's bands.  None: the white that the palette carries, or else
+        the key light's *in this palette*, so that a dimmer lamp makes the same picture; to see it dimmer, fix the white
+        with ``white=Reference().white(system, brighter_palette)``.
+
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
@@ -204,6 +261,7 @@ def preview(
     >>> preview(system, Palette(RGB, {"sun": 2, "red.diffuse": [1, 0.5, 0]})).tolist()
     [[[255, 188, 0]]]
     """
+    check_kinds(system, palette)
     seen = Reference(exposure=exposure).white(system, palette) if white is None else white
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     colours = spectra @ (exposure * display_matrix(palette.bands, seen))

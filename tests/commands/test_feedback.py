@@ -2,6 +2,7 @@
 
 import json
 
+import imageio.v3 as imageio
 import numpy as np
 import pytest
 
@@ -249,3 +250,43 @@ def test_the_spectra_of_a_fit_are_a_palette_to_go_on_with(run, tmp_path, system)
     assert all(np.array_equal(saved[name], expected[name]) for name in expected)
     code, out, err = run(*words, "--palette-out", "fitted.png")
     assert (code, out, err.count("\n")) == (2, "", 1)
+
+
+def test_a_fit_that_moves_a_light_is_inside_when_its_palette_is_read_back(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    words = ["--palettes", "first", "--palette", "plain", "--exposure", "2"]
+    code, out, _ = run(
+        "fit", "first.npz", *words, "-p", "scale:sun", "--objective", "closest", "--least-luminance", "0",
+        "--palette-out", "found.toml", "--out", "found.png", "--json",
+    )  # fmt: skip
+    assert code == 0
+    assert json.loads(out)["values"]["sun"] < 0.95
+    back = ["--palettes", "found.toml", "--exposure", "2"]
+    (answer,) = json.loads(run("feasible", "first.npz", *back, "-p", "exposure", "--json")[1])
+    assert answer["verdict"] == "complete"
+    assert answer["intervals"][-1][1] >= 1
+    assert run("shade", "first.npz", *back, "--out", "again.png")[0] == 0
+    assert (tmp_path / "again.png").read_bytes() == (tmp_path / "found.png").read_bytes()
+
+
+def test_a_dimmed_lamp_dims_the_picture_against_the_white_of_another_palette(run, tmp_path, system):
+    rt.save_system("first.npz", system)
+    plain = rt.load_palettes("first")["plain"]
+    rt.save_palettes("both.toml", {"plain": plain, "dim": plain.replace(sun=0.1 * plain["sun"])})
+
+    def picture(*words):
+        assert run("shade", "first.npz", "--palettes", "both.toml", *words, "--out", "seen.png")[0] == 0
+        return imageio.imread(tmp_path / "seen.png").astype(int)
+
+    given, same = picture("--palette", "plain"), picture("--palette", "dim")
+    dimmed = picture("--palette", "dim", "--white-of", "plain")
+    assert np.array_equal(given, same)
+    assert dimmed.sum() < 0.5 * given.sum()
+    asked = ["feasible", "first.npz", "--palettes", "both.toml", "--palette", "dim", "-p", "scale:sun", "--json"]
+    limits = [json.loads(run(*asked, "--within", "0.01", "100", *more)[1])[0]["intervals"][-1][1]
+              for more in ([], ["--white-of", "plain"])]  # fmt: skip
+    assert limits[1] == pytest.approx(10 * limits[0], rel=1e-9)
+    code, _, said = run("shade", "first.npz", "--palettes", "both.toml", "--palette", "dim", "--white-of", "plain",
+                        "--reference", "sun", "--out", "seen.png")  # fmt: skip
+    assert code == 2
+    assert "both choose the white" in said

@@ -178,6 +178,12 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
             lambda: rt.report(palette, system, [gamut]),
             lambda: rt.map_pixels(system, rt.load_palettes("first"), gamut),
             lambda: rt.adapt(system, palette, gamut, ["red"]),
+            lambda: rt.shade(scene, palette),
+            lambda: rt.shade(palette, system),
+            lambda: rt.preview(system, rt.load_palettes("first")),
+            lambda: rt.fit(system, palette, gamut, rt.Scale),
+            lambda: rt.safe_box(system, palette, gamut, red),
+            lambda: rt.feasible(system, palette, gamut, rt.Scale),
         ):
             try:
                 ask()
@@ -188,6 +194,14 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
     said = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(lines)], capture_output=True, text=True, check=True, env=home
     ).stdout.splitlines()
-    kinds = ["parameter is a str", "gamut is a Device", "system is a Scene", "system is a Palette", "palette is a dict"]
-    assert [" ".join(line.split()[:4]).rstrip(",") for line in said] == [*kinds, "scale is a str"]
+    kinds = [
+        "parameter is a str",
+        "gamut is a Device",
+        "system is a Scene",
+        "system is a Palette",
+        "palette is a Palettes",
+    ]
+    kinds += ["scale is a str", "system is a Scene", "system is a Palette", "palette is a Palettes"]
+    kinds += ["scales is the class", "scales is Scale(name='red'): give", "parameter is the class"]
+    assert [" ".join(line.split()[:4]).rstrip(",") for line in said] == kinds
     assert "give device_gamut(load_device(name), model)" in said[1]

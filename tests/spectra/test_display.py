@@ -9,18 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symrt.spectra.bands import RGB, Bands, coordinates, wavelengths
-from symrt.spectra.display import (
-    clipped,
-    display_matrix,
-    encode,
-    linear_rgb,
-    luminance_weights,
-    of_same_luminance,
-    to_rgb,
-    to_rgb8,
-)
+from symrt.spectra.display import display_matrix, encode, luminance_weights, of_same_luminance, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.library import colour_science, spectrum
+from symrt.spectra.viewing import clipped, linear_rgb, to_rgb
 
 colour = colour_science()
 BANDS = wavelengths(380, 730, 10)
@@ -129,24 +121,24 @@ def test_a_viewing_reference_is_as_bright_as_the_key_light(name):
     # It has the shape asked for: divided by it, a constant.
     shape = np.ones(36) if name == "equal-energy" else spectrum(name, BANDS)
     np.testing.assert_allclose(same / shape, same[0] / shape[0], rtol=1e-12)
-    np.testing.assert_array_equal(linear_rgb(image, reference=name), linear_rgb(image, reference=same))
+    np.testing.assert_array_equal(linear_rgb(image, white=name), linear_rgb(image, white=same))
 
 
 def test_one_image_s_white_shows_another_dimmer():
     white = spectrum("illuminant/D65", BANDS)
     dim = image_of(0.25 * white, 0.25 * white)
     np.testing.assert_allclose(linear_rgb(dim), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(linear_rgb(dim, reference=white), 0.25, rtol=1e-12)
+    np.testing.assert_allclose(linear_rgb(dim, white=white), 0.25, rtol=1e-12)
 
 
 def test_any_light_of_the_scene_can_be_the_reference():
     whites = {"sun": spectrum("illuminant/D65", BANDS), "lamp": 0.5 * spectrum("illuminant/A", BANDS)}
     image = SpectralImage(whites["lamp"].reshape(1, 1, 36), BANDS, whites)
-    np.testing.assert_allclose(linear_rgb(image, reference="lamp"), 1.0, rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(linear_rgb(image, reference="sun"), linear_rgb(image))
+    np.testing.assert_allclose(linear_rgb(image, white="lamp"), 1.0, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(linear_rgb(image, white="sun"), linear_rgb(image))
     assert linear_rgb(image)[0, 0, 0] > linear_rgb(image)[0, 0, 2]
     with pytest.raises(ValueError, match="no light 'lmap': did you mean 'lamp'"):
-        linear_rgb(image, reference="lmap")
+        linear_rgb(image, white="lmap")
 
 
 def test_a_single_band_is_shown_as_grey():
@@ -194,7 +186,7 @@ def test_every_code_is_reached_and_every_threshold_is_on_its_side():
         (lambda: to_rgb(image_of(np.ones(36), np.zeros(36))), "no luminance"),
         (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), exposure=0.0), "above 0"),
         (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), exposure=float("nan")), "above 0"),
-        (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), reference="illuminant/D66"), "did you mean illuminant/D65"),
+        (lambda: to_rgb(image_of(np.ones(36), np.ones(36)), white="illuminant/D66"), "did you mean illuminant/D65"),
         (lambda: luminance_weights(wavelengths(1000, 1100, 10)), "all invisible"),
         (lambda: luminance_weights(coordinates(3)), "have no colour"),
     ],

@@ -4,11 +4,12 @@ import imageio.v3 as imageio
 import numpy as np
 import OpenEXR
 import pytest
+from PIL import Image
 
 from symrt.spectra.bands import RGB, coordinates, wavelengths
-from symrt.spectra.display import to_rgb
 from symrt.spectra.files import png_bytes, save_image
 from symrt.spectra.image import SpectralImage
+from symrt.spectra.viewing import to_rgb
 
 BANDS = wavelengths(400, 700, 10)
 
@@ -94,3 +95,29 @@ def test_a_notebook_shows_colours_but_not_coordinates():
     image = make_image()
     assert image._repr_png_() == png_bytes(image)
     assert make_image(coordinates(5))._repr_png_() is None
+
+
+def test_a_png_says_that_it_is_srgb(tmp_path):
+    save_image(tmp_path / "a.png", make_image())
+    data = (tmp_path / "a.png").read_bytes()
+    chunks, place = {}, 8
+    while place < len(data):
+        size = int.from_bytes(data[place : place + 4], "big")
+        chunks[data[place + 4 : place + 8]] = data[place + 8 : place + 8 + size]
+        place += 12 + size
+    names = list(chunks)
+    # The specification: before the picture's data; intent 1 is relative colorimetric, gamma 1/2.2 times 100,000.
+    assert names.index(b"sRGB") < names.index(b"IDAT")
+    assert chunks[b"sRGB"] == b"\x01"
+    assert int.from_bytes(chunks[b"gAMA"], "big") == 45455
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.info["srgb"] == 1
+
+
+def test_an_image_is_an_array_for_numpy_and_matplotlib():
+    image = make_image()
+    np.testing.assert_array_equal(np.asarray(image), image.values)
+    assert np.asarray(image, dtype=np.float32).dtype == np.float32
+    copy = np.array(image)
+    copy[:] = 0
+    assert image.values.any()

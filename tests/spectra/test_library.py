@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from symrt.spectra.bands import RGB, Bands, wavelengths
-from symrt.spectra.display import luminance_weights
-from symrt.spectra.library import colour_science, from_rgb, names, spectrum
+from symrt.spectra.display import display_matrix, encode, luminance_weights
+from symrt.spectra.library import colour_science, from_rgb, names, spectrum, srgb
 
 colour = colour_science()
 BANDS = wavelengths(380, 730, 10)
@@ -140,3 +140,26 @@ def test_a_colour_outside_the_unit_cube_is_no_reflectance(rgb):
 
 def test_a_single_band_is_enough():
     assert spectrum("macbeth/red", Bands((555.0,))).shape == (1,)
+
+
+def test_a_web_colour_is_encoded_srgb():
+    # IEC 61966-2-1: 0x80 / 255 = 0.50196 decodes to 0.21586; half of the linear range is encoded as 188.
+    np.testing.assert_allclose(srgb("#80bcff"), [0.21586050, 0.50288646, 1.0], rtol=1e-6)
+    np.testing.assert_array_equal(srgb("#fff"), [1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(spectrum("#c08a3e", RGB, reflectance=True), srgb("#C08A3E"))
+
+
+@pytest.mark.parametrize("colour", ["#c08a3e", "#123456", "#fefefe", "#00ff00"])
+def test_a_web_colour_at_wavelengths_is_seen_as_that_colour(colour):
+    # Seen under D65 beside a white diffuser, through the observer and the screen's own encoding.
+    bands = wavelengths(380, 780, 5)
+    light = spectrum("illuminant/D65", bands)
+    seen = encode((spectrum(colour, bands, reflectance=True) * light) @ display_matrix(bands, light))
+    given = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    assert np.abs(255 * seen - given).max() < 1.5
+
+
+@pytest.mark.parametrize("colour", ["c08a3e", "#c08a3", "#c08a3g", "#", "##c08a3e", ""])
+def test_what_is_no_web_colour_is_refused(colour):
+    with pytest.raises(ValueError, match="is no colour: write #"):
+        srgb(colour)

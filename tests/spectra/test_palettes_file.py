@@ -92,7 +92,7 @@ def test_the_example_in_the_module_is_a_palette(tmp_path):
     (tmp_path / "gold.csv").write_text("380 0.2\n730 0.9\n", encoding="utf-8")
     example = module.__doc__.split("```toml")[1].split("```")[0]
     assert set(load_palettes(write(tmp_path, example))["plain"]) == {
-        "sun", "sky", "red.diffuse", "red.specular", "gold.specular",
+        "sun", "sky", "clay.diffuse", "red.diffuse", "red.specular", "gold.specular",
     }  # fmt: skip
 
 
@@ -261,3 +261,14 @@ def test_what_is_written_is_plain_toml(tmp_path):
     tables = tomllib.loads((tmp_path / "p.toml").read_text(encoding="utf-8"))
     assert tables["palettes"]["rgb"] == {"bands": "rgb", "sun": [1.0, 0.9, 0.1 + 0.2], "sea.diffuse": 0.0}
     assert tables["palettes"]["even"]["bands"] == [380.0, 730.0, 10.0]
+
+
+def test_a_palette_that_is_not_there_is_named_with_the_nearest():
+    with pytest.raises(KeyError, match="no palette 'Macbeth': did you mean 'macbeth'"):
+        load_palettes("globe")["Macbeth"]
+
+
+def test_a_light_cannot_be_called_as_a_key_of_the_file():
+    for name in ("bands", "unphysical"):
+        with pytest.raises(ValueError, match="palette files have a key of this name"):
+            Palette(RGB, {name: 1.0})

@@ -8,9 +8,9 @@ import pytest
 from scipy import sparse
 
 from symrt.spectra.bands import RGB, Bands, wavelengths
-from symrt.spectra.display import to_rgb
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma, preview, shade, tail_bound
+from symrt.spectra.viewing import to_rgb
 from symrt.system import Interaction, LinearSystem, Nodes, Tail
 
 BANDS = wavelengths(380, 730, 10)
@@ -271,3 +271,14 @@ def test_every_light_s_white_comes_with_the_image():
 def test_an_image_without_pixels_has_its_bands():
     empty = LinearSystem(sparse.csr_array((0, len(INTERACTIONS))), INTERACTIONS, 1, 0, {"sun": 0.3})
     assert shade(empty, make_palette()).values.shape == (1, 0, len(BANDS))
+
+
+def test_a_misspelt_entry_is_named_and_other_scenes_symbols_are_not():
+    column = Interaction("sun", ("brass.diffuse",))
+    formulas = {"brass": "direct = diffuse*n_dot_l/pi + specular*n_dot_l", "steel": "reflected = mirror"}
+    system = LinearSystem(sparse.csr_array([[1.0]]), (column,), 1, 1, {"sun": 1.0}, formulas)
+    right = {"sun": 1, "brass.diffuse": 0.5, "brass.specular": 0.1, "steel.mirror": 0.9, "grass.diffuse": 0.2}
+    shade(system, Palette(RGB, right))  # no pixel shows the steel, and the grass is another scene's
+    for wrong, meant in (("bras.diffuse", "brass.diffuse"), ("brass.spekular", "brass.specular"), ("sunn", "sun")):
+        with pytest.warns(UserWarning, match=f"'{wrong}' is nothing in this scene: did you mean '{meant}'"):
+            shade(system, Palette(RGB, right | {wrong: 0.5}))

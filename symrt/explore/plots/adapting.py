@@ -10,11 +10,12 @@ from symrt.explore.plots.panels import picture_panel
 from symrt.explore.plots.style import ABOVE, FEASIBLE, HAIR, INK, NAME, Drawing, caption, headline, text_width, wrapped
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.pixelwise import Mapped
-from symrt.spectra.display import linear_rgb, to_rgb8
+from symrt.spectra.display import to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
+from symrt.spectra.viewing import linear_rgb
 from symrt.system import LinearSystem
 
 __all__ = ["adapted_figure", "mapped_figure"]

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Int
 from tqdm.auto import tqdm
 
-from symrt.errors import require
+from symrt.errors import require, shown
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
@@ -139,8 +139,14 @@ def fit(  # noqa: PLR0913  # a public verb names its options
             least_luminance=least_luminance,
             budget=budget,
         )
+    found = _checked(task, whole, answer, outside, most)
+    kept = (reference or Reference()).kept(system, palette)
     return replace(
-        _checked(task, whole, answer, outside, most), objective=objective, seconds=time.perf_counter() - start
+        found,
+        palette=replace(found.palette, white=kept.radiance),
+        reference=kept,
+        objective=objective,
+        seconds=time.perf_counter() - start,
     )
 
 
@@ -177,6 +183,7 @@ def _checked(task: Task, whole: Along, answer: Answer, outside: Pixels, most: in
         rows=found.rows,
         note=task.asked.note,
         width=system.width,
+        reference=Reference(),
         seconds=0.0,
     )
 
@@ -254,6 +261,9 @@ def symbols_of(system: LinearSystem, palette: Palette, scales: Sequence[Scale]) 
     >>> {name: sorted(symbols) for name, symbols in symbols_of(system, palette, [Scale("sea"), Scale("sun")]).items()}
     {'sea': ['sea.diffuse', 'sea.mirror'], 'sun': ['sun']}
     """
+    if isinstance(scales, Scale | str | type):
+        what = f"the class {scales.__name__}" if isinstance(scales, type) else shown(scales)
+        raise TypeError(f"scales is {what}: give a list of scales, such as [Scale('sea'), Scale('brass')]")
     for scale in scales:
         require("scale", scale, Scale, "Scale('brass') for each spectrum")
     names = [scale.name for scale in scales]
