@@ -2,10 +2,12 @@
 
 import ast
 import inspect
+import json
 import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
@@ -85,3 +87,37 @@ def test_constraints_pin_everything_that_is_asked_for():
 
 def canonical(name):
     return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _required(extras: set[str]) -> set[str]:
+    """Distributions that an installation with some extras asks for, its own extras followed."""
+    project = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]
+    lines = [*project["dependencies"], *(line for extra in extras for line in project["optional-dependencies"][extra])]
+    inner = {extra for line in lines if line.startswith("symrt[") for extra in line[6:-1].split(",")} - extras
+    return _required(extras | inner) if inner else {re.match(r"[\w.-]+", line)[0].lower() for line in lines}
+
+
+def test_the_notebook_extra_brings_all_that_notebooks_use():
+    # colour-cxf was missing, so that one of them stopped in the middle.
+    used = set()
+    for path in sorted((HOME / "notebooks").glob("*.ipynb")):
+        cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+        for node in (node for cell in cells for node in ast.walk(ast.parse("".join(cell["source"])))):
+            if isinstance(node, ast.Import):
+                used |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                used.add(node.module.partition(".")[0])
+            elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "find_spec":
+                used.add(node.args[0].value)
+    assert "colour_cxf" in used
+    brought = _required({"notebook"})
+    installed = packages_distributions()
+    for name in used - sys.stdlib_module_names - {"symrt"}:
+        assert brought & {distribution.lower() for distribution in installed[name]}, name
+    assert {"jupyterlab", "ipykernel"} <= brought
+
+
+def test_every_extra_is_named_where_it_is_needed():
+    text = "\n".join(path.read_text() for path in [*MODULES, *(HOME / "tests").rglob("*.py"), HOME / "README.md"])
+    extras = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert [name for name in extras if f"[{name}]" not in text and f"symrt[{name}" not in str(extras)] == []
