@@ -15,6 +15,8 @@ import symrt as rt
 from symrt.errors import shown, suggestion
 
 if TYPE_CHECKING:
+    from symrt.device.monitors import Monitor
+    from symrt.device.printing import Device
     from symrt.feedback.parameters import Parameter, Scale
     from symrt.gamut.gamuts import AnyGamut
     from symrt.gamut.intersections import AnyIntersection
@@ -158,6 +160,7 @@ class Kind(NamedTuple):
     black: str | None = None
     light: str | None = None
     tolerance: float | None = None
+    mode: str | None = None
 
     def options(self, model: str) -> dict[str, Any]:
         """The light and the tolerance, if the model takes them."""
@@ -188,24 +191,30 @@ def _joined(word: str) -> list[str]:
     return [word] if Path(word).exists() else word.split("+")
 
 
-def bands_of(word: str) -> "Bands":
+def bands_of(word: str, mode: str | None = None) -> "Bands":
     """The bands that a palette must have for a device, or for the first of several that is no monitor."""
-    for one in _joined(word):
-        found = rt.load_gamut(one) if is_file(one) else rt.load_device(one)
+    words = _joined(word)
+    for one in words:
+        found = rt.load_gamut(one) if is_file(one) else _device(one, mode, several=len(words) > 1)
         if not hasattr(found, "primaries"):
             return found.bands
     raise ValueError(f"--resample: {word} is a monitor, which shows spectra on any bands: leave it out")
+
+
+def _device(word: str, mode: str | None, *, several: bool) -> "Device | Monitor":
+    """A device; of several, those that are no charts have no mode."""
+    return rt.load_device(word, mode=None if several and word in rt.devices() else mode)
 
 
 def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -> "AnyGamut | AnyIntersection":
     if is_file(word):
         if any(value is not None for value in kind):
             raise ValueError(
-                f"{word}: a saved gamut has its model and all that goes with it: leave out --model, --black, --light "
-                "and --tolerance"
+                f"{word}: a saved gamut has its model and all that goes with it: leave out --model, --black, "
+                "--light, --tolerance and --mode"
             )
         return rt.load_gamut(word)
-    device = rt.load_device(word)
+    device = _device(word, kind.mode, several=several)
     if hasattr(device, "primaries"):  # a monitor: it has no other gamut, and no black of its own
         if kind.black and not several:
             raise ValueError(f"--black {kind.black}: {word} is a monitor, whose black is black: leave it out")
@@ -233,14 +242,15 @@ def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
 
 
 def gamuts_of(
-    device: str, models: Sequence[str], monitor: str, bands: "Bands", light: str | None, tolerance: float | None
+    device: str, models: Sequence[str], monitor: str, bands: "Bands", asked: Kind
 ) -> "list[AnyGamut | AnyIntersection]":
     """Several gamuts of a device, and a monitor's; a light and a tolerance are for the models that take one."""
     kinds = [
         Kind(
             model,
-            light=light if model == "colorimetric" else None,
-            tolerance=tolerance if model in {"hull", "inks"} else None,
+            light=asked.light if model == "colorimetric" else None,
+            tolerance=asked.tolerance if model in {"hull", "inks"} else None,
+            mode=asked.mode,
         )
         for model in models
     ]

@@ -109,13 +109,12 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     options: dict[str, Any] = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
     found = rt.fit(system, spectra, gamut, scales, **options)
-    if out is not None:
-        _save(out, rt.shade(system, found.palette), question, system, spectra)
+    written = [_save(out, rt.shade(system, found.palette), question, system, spectra)] if out is not None else []
     if palette_out is not None:
         rt.save_palettes(palette_out, {objective: found.palette})
     if plot is not None:
         draw(plot, "fit_figure", found, system, spectra, seen)
-    typer.echo(json_text(fit_record(found)) if as_json else repr(found))
+    _answer(fit_record(found), repr(found), written, as_json)
 
 
 @asking(Question)
@@ -149,11 +148,10 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     }
     options |= {"map_rest": map_rest, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     found = rt.adapt(system, spectra, gamut, scales, **options)
-    if out is not None and found.accepted:
-        _save(out, found.image(system), question, system, spectra)
+    written = [_save(out, found.image(system), question, system, spectra)] if out is not None and found.accepted else []
     if plot is not None:
         draw(plot, "adapted_figure", found, system, spectra, seen)
-    typer.echo(json_text(adapted_record(found)) if as_json else repr(found))
+    _answer(adapted_record(found), repr(found), written, as_json)
 
 
 @asking(Question)
@@ -175,11 +173,10 @@ def map_pixels(  # a command names its options
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
     found = rt.map_pixels(system, spectra, gamut, towards=towards, smoothness=smoothness, reference=seen)
-    if out is not None:
-        _save(out, found.image, question, system, spectra)
+    written = [_save(out, found.image, question, system, spectra)] if out is not None else []
     if plot is not None:
         draw(plot, "mapped_figure", found, system, spectra, seen)
-    typer.echo(json_text(mapped_record(found)) if as_json else repr(found))
+    _answer(mapped_record(found), repr(found), written, as_json)
 
 
 def _check_together(together: bool, others: dict[str, object]) -> None:
@@ -194,8 +191,16 @@ def _check_files(out: Path | None, plot: Path | None) -> None:
         writable(plot, ".png")
 
 
-def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> None:
-    """A picture is seen as the fit was asked; other files hold the radiances as they are."""
+def _answer(record: dict[str, Any], text: str, written: list[str], as_json: bool) -> None:
+    """The answer, and what was written to which file."""
+    typer.echo(json_text(record | {"written": written}) if as_json else "\n".join([text, *written]))
+
+
+def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> str:
+    """Write a picture, seen as the question was asked, or radiances as they are; and say which, in a sentence."""
     seen = question.seen
-    view = {"exposure": seen.exposure, "white": seen.white(system, palette)} if out.suffix.lower() == ".png" else {}
-    rt.save_image(out, image, **view)
+    if out.suffix.lower() == ".png":
+        rt.save_image(out, image, exposure=seen.exposure, white=seen.white(system, palette))
+        return f"{out}: the picture in sRGB, against {seen.called(system, palette)}, exposure {seen.exposure:g}."
+    rt.save_image(out, image)
+    return f"{out}: radiances, {image.bands!r}, as they are: no exposure, no white taken out."

@@ -23,7 +23,7 @@ __all__ = ["gamut", "report"]
 
 DRAWN = (0, 1, 2)
 """Components that are drawn if no others are named."""
-CHARTS = (".ti3", ".cxf", ".cgats", ".txt", ".csv")
+CHARTS = (".ti3", ".cxf", ".mxf", ".cgats", ".txt", ".csv")
 """Endings of files that hold a device."""
 
 
@@ -32,6 +32,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
         str | None, typer.Argument(metavar="[SCENE|SYSTEM]", help="Whose materials are asked about; if any.")
     ] = None,
     device: option.DeviceName = option.DEVICE,
+    mode: option.Mode = None,
     model: option.ModelName = None,
     black: option.BlackName = None,
     light: option.ViewingLight = None,
@@ -58,7 +59,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     for path, ending in ((save, ".npz"), (plot, ".png")):
         if path is not None:
             writable(path, ending)
-    kind = Kind(model, black, light, tolerance)
+    kind = Kind(model, black, light, tolerance, mode)
     if source is None:
         about: dict[str, object] = {
             "--palette": palette,
@@ -78,7 +79,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
         if source in rt.devices() or Path(source).suffix.lower() in CHARTS:
             raise ValueError(f"{source}: a device, where a scene or a system stands: write --device {source}")
         spectra = palette_of(source, palettes, palette)
-        spectra = spectra.on(bands_of(device)) if resample else spectra
+        spectra = spectra.on(bands_of(device, mode)) if resample else spectra
         found = gamut_of(device, kind, spectra.bands)
         last = len(spectra.bands) - 1
         if len(set(components)) < 3 or not all(0 <= k <= last for k in components):
@@ -136,7 +137,8 @@ def report(  # a command names its options
     Example: symrt report globe --palette macbeth --model envelope --model hull
     """
     models = model or ["unit", "envelope", "hull", "colorimetric"]
-    gamuts = gamuts_of(picture.device, models, monitor, picture.given.bands, light, tolerance)
+    kind = Kind(light=light, tolerance=tolerance, mode=picture.mode)
+    gamuts = gamuts_of(picture.device, models, monitor, picture.given.bands, kind)
     if plot is not None:
         writable(plot, ".png")
     system, spectra = picture.rendered()

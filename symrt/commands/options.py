@@ -20,6 +20,7 @@ __all__ = [
     "LeastLightness",
     "LeastLuminance",
     "MapRest",
+    "Mode",
     "ModelName",
     "Models",
     "Monitor",
@@ -73,6 +74,10 @@ WhiteOf = Annotated[
 DeviceName = Annotated[
     str, typer.Option("--device", help="A device, a chart's file, a gamut saved as .npz, or several joined by +.")
 ]
+Mode = Annotated[
+    Literal["M0", "M1", "M2", "M3"] | None,
+    typer.Option("--mode", help="Which measurements of a chart in CxF3 or .mxf that was measured in several ways."),
+]
 ModelName = Annotated[
     Literal["unit", "envelope", "hull", "inks", "colorimetric", "monitor"] | None,
     typer.Option("--model", help="Which gamut of the device: a printer's envelope, a monitor's colours."),
@@ -121,7 +126,9 @@ LeastLightness = Annotated[
     float | None, typer.Option("--least-lightness", help="Least mean L*, as a share of that of the image given.")
 ]
 MapRest = Annotated[bool, typer.Option("--map-rest", help="At last, pixels may be moved one by one.")]
-Out = Annotated[Path | None, typer.Option("--out", "-o", help="The picture (.png, .tif, .npz or .exr).")]
+Out = Annotated[
+    Path | None, typer.Option("--out", "-o", help="The picture as it is seen (.png), or radiances (.tif, .npz, .exr).")
+]
 Towards = Annotated[
     Literal["neutral", "centre", "nearest"], typer.Option("--towards", help="Where pixels outside move.")
 ]

@@ -35,13 +35,14 @@ class Picture:
     exposure: option.Exposure = 1.0
     size: option.Size = None
     device: option.DeviceName = option.DEVICE
+    mode: option.Mode = None
     resample: option.Resample = False
 
     @cached_property
     def given(self) -> "Palette":
         """The palette, on the device's bands if it is to be: known before anything is rendered."""
         found = palette_of(self.source, self.palettes, self.palette)
-        return found.on(bands_of(self.device)) if self.resample else found
+        return found.on(bands_of(self.device, self.mode)) if self.resample else found
 
     @cached_property
     def seen(self) -> "Reference":
@@ -71,7 +72,8 @@ class Question(Picture):
     @cached_property
     def gamut(self) -> "AnyGamut | AnyIntersection":
         """The gamut, on the palette's bands."""
-        return gamut_of(self.device, Kind(self.model, self.black, self.light, self.tolerance), self.given.bands)
+        kind = Kind(self.model, self.black, self.light, self.tolerance, self.mode)
+        return gamut_of(self.device, kind, self.given.bands)
 
 
 Asked = TypeVar("Asked", bound=Picture)

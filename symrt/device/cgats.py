@@ -1,7 +1,9 @@
 """Read CGATS.17 text, and Argyll's ``.ti3``, which is the same with other first words: charts for step 4 of the paper.
 
 A head of keywords, the names of the fields between BEGIN_DATA_FORMAT and END_DATA_FORMAT, and the prints between
-BEGIN_DATA and END_DATA, a line each.  Fields are separated by tabs or spaces, and may be quoted [1]_, [2]_.
+BEGIN_DATA and END_DATA, a line each.  Fields are separated by tabs or spaces, and may be quoted [1]_, [2]_.  Some
+programs leave the keywords out, as for the charts of IFRA: then the first line that names spectra names the fields,
+and the prints follow it, up to a line that is empty.
 
 References
 ----------
@@ -17,8 +19,6 @@ import numpy as np
 
 from symrt.device.measured import UNITS, Measured, Row, check_size, conditions, from_rows, is_spectral, number
 from symrt.errors import shown
-
-__all__ = ["decoded", "read_cgats"]
 
 TOKEN = re.compile(r'"((?:[^"]|"")*)"|(#.*)|([^\s"#]\S*)|(")')
 """A quoted field, a comment, a plain field, or a quote that nothing closes."""
@@ -61,9 +61,13 @@ def read_cgats(text: str) -> Measured:
     >>> chart.bands.labels, chart.reflectances.tolist()
     (('400 nm', '500 nm'), [[0.8, 0.82]])
     """
-    tables = _tables(LINES.split(text))
+    lines = LINES.split(text)
+    tables = _tables(lines) or _bare_table(lines)
     if not tables:
-        raise ValueError("no BEGIN_DATA_FORMAT and BEGIN_DATA: neither CGATS text nor CxF; export the chart as one")
+        raise ValueError(
+            "no BEGIN_DATA_FORMAT and BEGIN_DATA, nor a line that names fields such as nm380: neither CGATS text nor "
+            "CxF; export the chart as one"
+        )
     charts = [table for table in map(_paired, tables) if any(map(is_spectral, table.fields))]
     if len(charts) > 1:
         raise ValueError(f"{len(charts)} tables with spectra: keep one measurement a file")
@@ -123,6 +127,31 @@ def _tables(lines: list[str]) -> list[Table]:
     if within != "head":
         raise ValueError(f"line {len(lines)}: the file ends inside a table, without END_DATA: copy it again, whole")
     return tables
+
+
+def _bare_table(lines: list[str]) -> list[Table]:
+    """The table of a file without keywords, if a line of it names spectra."""
+    table, tabbed = Table(), False
+    for line, text in enumerate(lines, start=1):
+        if not table.fields:
+            tokens = _fields(text, line, 1, "\t" in text.strip())
+            # Numbers alone may be wavelengths, or just numbers: something must be named.
+            named = sum(map(is_spectral, tokens)) > 1 and any(not token[:1].isdigit() for token in tokens)
+            tabbed = named and "\t" in text.strip()
+            table.fields.extend(tokens if named else [])
+            if not named and tokens:
+                table.head[tokens[0].upper()] = (line, " ".join(tokens[1:]))
+            check_size(0, len(table.fields))
+            continue
+        tokens = _fields(text, line, len(table.fields), tabbed)
+        if not any(tokens):
+            if table.rows:
+                break
+            continue
+        _check_row((line, tokens), len(table.fields), line)
+        table.rows.append((line, tokens))
+        check_size(len(table.rows), 0)
+    return [table] if table.fields else []
 
 
 def _gathered(table: Table, waiting: Row, row: Row) -> Row:

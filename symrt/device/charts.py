@@ -19,21 +19,24 @@ from symrt.device.printing import Device
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 
-__all__ = ["load_chart"]
-
 LARGEST = 32 << 20
 """Bytes that a chart may have, and that its arrays may unpack to: a hundred times the largest charts in use."""
 NEEDED, OPTIONAL = ("wavelengths", "reflectances"), ("amounts", "inks")
 """Arrays of a ``.npz``."""
 
 
-def load_chart(path: str | Path) -> Device:
+def load_chart(path: str | Path, mode: str | None = None) -> Device:
     r"""The device that printed a chart.
 
     A table's columns are known by their names: ``SPECTRAL_NM380``, ``SPEC_380``, ``nm380`` or ``380`` for reflectances,
     ``CMYK_C`` or ``6CLR_1`` for device values.  A ``.csv`` has them in its first line.  A ``.npz`` holds the arrays
     ``wavelengths`` (nm) and ``reflectances`` (print × band), and, if they are known, ``amounts`` (print × ink) and
     ``inks``, their names.
+
+    Parameters
+    ----------
+    mode
+        Of CxF3 with prints measured under several conditions, ``"M0"`` to ``"M3"``: the one that is meant.
 
     Raises
     ------
@@ -53,13 +56,13 @@ def load_chart(path: str | Path) -> Device:
     if "\0" in str(path):
         raise ValueError(f"{shown(str(path))} is not a file name: give the path of a chart")
     try:
-        chart = _read(path)
+        chart = _read(path, mode)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}; give the path of a chart") from None
     except ValueError as error:
         raise ValueError(f"{path}: {str(error).splitlines()[0]}") from None
     prints = len(chart.reflectances)
-    known = f" with amounts of {', '.join(chart.inks)}" if chart.inks else ""
+    known = f" with amounts of {', '.join(chart.inks)}{chart.lacking}" if chart.inks else ""
     return Device(
         name=path.name,
         bands=chart.bands,
@@ -73,16 +76,18 @@ def load_chart(path: str | Path) -> Device:
     )
 
 
-def _read(path: Path) -> Measured:
+def _read(path: Path, mode: str | None) -> Measured:
     with path.open("rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
         raise ValueError(f"it is too large: a chart has at most {LARGEST >> 20} MiB; give a smaller one")
-    if content.startswith(b"PK"):
-        return _read_npz(content)
     text = decoded(content)
     if text.lstrip().startswith("<"):
-        return read_cxf(content)
+        return read_cxf(content, mode)
+    if mode is not None:
+        raise ValueError(f"mode = {shown(mode)}: only CxF3 keeps measurements under several conditions; leave it out")
+    if content.startswith(b"PK"):
+        return _read_npz(content)
     return _read_csv(text) if path.suffix.lower() == ".csv" else read_cgats(text)
 
 

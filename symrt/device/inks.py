@@ -6,12 +6,10 @@ from symrt.device.charts import load_chart
 from symrt.device.dyes import dye_device, dye_devices
 from symrt.device.halftone import synthetic_device, synthetic_devices
 from symrt.device.monitors import Monitor, load_monitor, monitors
-from symrt.device.printing import Device, reflectance
+from symrt.device.printing import Device
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import did_you_mean
-
-__all__ = ["Device", "devices", "load_device", "reflectance"]
 
 
 def devices() -> tuple[str, ...]:
@@ -25,15 +23,18 @@ def devices() -> tuple[str, ...]:
     return (*dye_devices(), *synthetic_devices(), *monitors())
 
 
-def load_device(name: str | Path, bands: Bands | None = None) -> Device | Monitor:
+def load_device(name: str | Path, bands: Bands | None = None, *, mode: str | None = None) -> Device | Monitor:
     """A printer or a monitor by name, or the printer of a measured chart.
 
     Parameters
     ----------
     name
-        One of `devices`; or the path of a chart: CGATS.17 text, Argyll's ``.ti3``, CxF3, ``.csv`` or ``.npz``.
+        One of `devices`; or the path of a chart: CGATS.17 text, Argyll's ``.ti3``, CxF3 (``.cxf``, ``.mxf``), ``.csv``
+        or ``.npz``.
     bands
         Wavelengths that its spectra cover; those of its own table or chart if not given.
+    mode
+        Of a chart in CxF3 with prints measured under several conditions, ``"M0"`` to ``"M3"``: the one that is meant.
 
     Raises
     ------
@@ -49,6 +50,8 @@ def load_device(name: str | Path, bands: Bands | None = None) -> Device | Monito
     >>> device.bands.labels[2], device.extrapolated[:3]
     ('400 nm', array([ True,  True, False]))
     """
+    if mode is not None and name in devices():
+        raise ValueError(f"mode = {shown(mode)}: {name} is no chart in CxF3, measured under M0 to M3; leave it out")
     if name in dye_devices():
         return dye_device(str(name), bands)
     if name in synthetic_devices():
@@ -56,7 +59,7 @@ def load_device(name: str | Path, bands: Bands | None = None) -> Device | Monito
     if name in monitors():
         return load_monitor(str(name), bands)
     if isinstance(name, Path) or Path(name).suffix or len(Path(name).parts) > 1:
-        chart = load_chart(name)
+        chart = load_chart(name, mode)
         return chart.on(bands) if bands else chart
     near = did_you_mean([str(name)[:64]], devices())
     raise ValueError(

@@ -14,8 +14,6 @@ from jaxtyping import Float
 from symrt.errors import shown
 from symrt.spectra.bands import Bands
 
-__all__ = ["UNITS", "Measured", "Row", "check_size", "conditions", "fractions", "from_rows", "is_spectral", "number"]
-
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 SPECTRAL = re.compile(
     r"(?:SPECTRAL_?|SPEC_?|R_)?(?:NM_?|(PCT_?|DEC_?))?(\d{3,4}(?:\.\d{1,6})?)(?:_?NM)?", re.I | re.ASCII
@@ -54,6 +52,8 @@ class Measured:
         Names of the device values.
     note
         How the numbers were read.
+    lacking
+        A remark on device values that one would expect and that are not there, if any.
     """
 
     bands: Bands
@@ -61,6 +61,7 @@ class Measured:
     amounts: Float[np.ndarray, "print ink"]
     inks: tuple[str, ...]
     note: str
+    lacking: str = ""
 
     def __post_init__(self) -> None:
         for ink in self.inks:
@@ -127,7 +128,12 @@ def from_rows(fields: Sequence[str], rows: Sequence[Row], declared: Sequence[flo
     _check_unit([fields[column] for column in columns.values()], values.max())
     amounts, scale = _amounts(devices, _numbers(fields, rows, list(devices.values())))
     inks = tuple(name.rpartition("_")[2] if "_" in name else name.lower() for name in devices)
-    return Measured(Bands(tuple(nm)), reflectances, amounts, inks, note + scale)
+    kind = next(iter(devices), "").rpartition("_")[0]
+    absent = [name for name in kind if name not in inks] if kind in {"CMYK", "RGB"} and len(inks) > 1 else []
+    lacking = (
+        f", read as {len(inks)} inks: there is no {' nor '.join(f'{kind}_{one}' for one in absent)}" if absent else ""
+    )
+    return Measured(Bands(tuple(nm)), reflectances, amounts, inks, note + scale, lacking)
 
 
 def fractions(

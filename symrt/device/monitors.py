@@ -4,6 +4,7 @@ References
 ----------
 .. [1] G. M. Machado, "A model for simulation of color vision deficiency", UFRGS 2010: Brainard's tube.
 .. [2] M. Fairchild and D. Wyble, "Colorimetric characterization of the Apple Studio Display (flat panel LCD)", 1998.
+.. [3] IEC 61966-2-1:1999, "Default RGB colour space - sRGB".
 """
 
 from dataclasses import dataclass, replace
@@ -16,13 +17,16 @@ from symrt.device.printing import Device
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.library import display_primaries
 
-__all__ = ["EQUAL_ENERGY", "Monitor", "load_monitor", "monitors", "printer_of"]
-
 DISPLAYS = {
     "crt-brainard": ("Typical CRT Brainard 1997", "a typical cathode ray tube, Brainard 1997"),
     "apple-studio-display": ("Apple Studio Display", "a flat liquid crystal panel, Fairchild and Wyble 1998"),
 }
 EQUAL_ENERGY = "illuminant/E"
+SRGB = "srgb"
+CHROMATICITIES = np.array([[0.64, 0.30, 0.15], [0.33, 0.60, 0.06], [0.03, 0.10, 0.79]])
+"""x, y and z of the primaries of sRGB, a column each [3]_."""
+WHITE = np.array([0.3127, 0.3290, 0.3583])
+"""x, y and z of its white, D65."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +53,11 @@ class Monitor:
 
     def on(self, bands: Bands) -> "Monitor":
         """The same monitor for spectra at other wavelengths; its primaries do not depend on them."""
-        if (bands.kind == "rgb") != (self.bands.kind == "rgb"):
-            raise ValueError(
-                f"{self.name} shows {'RGB' if self.bands.kind == 'rgb' else 'spectra'}, not {bands!r}: 'srgb' is for "
-                "images in RGB, the other monitors for wavelengths"
-            )
-        return replace(self, bands=bands)
+        if (bands.kind == "rgb") == (self.bands.kind == "rgb"):
+            return replace(self, bands=bands)
+        if self.name == SRGB:
+            return load_monitor(SRGB, bands)
+        raise ValueError(f"{self.name} shows spectra, not {bands!r}: choose 'srgb', or a palette in wavelengths")
 
     def __repr__(self) -> str:
         return f"Monitor({self.name!r}, {self.bands!r}: {self.title})"
@@ -68,7 +71,7 @@ def monitors() -> tuple[str, ...]:
     >>> monitors()
     ('crt-brainard', 'apple-studio-display', 'srgb')
     """
-    return (*DISPLAYS, "srgb")
+    return (*DISPLAYS, SRGB)
 
 
 def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
@@ -77,18 +80,23 @@ def load_monitor(name: str, bands: Bands | None = None) -> Monitor:
     Parameters
     ----------
     name
-        One of `monitors`; ``srgb`` is for images in RGB only.
+        One of `monitors`.
     bands
-        Wavelengths of the spectra that it is asked to show; 380 … 730 nm by 10 nm if not given.
+        Wavelengths of the spectra that it is asked to show, 380 … 730 nm by 10 nm if not given; of ``srgb`` also RGB,
+        which it shows if not told otherwise.
 
     Examples
     --------
     >>> load_monitor("crt-brainard")
     Monitor('crt-brainard', Bands(36 wavelengths, 380 … 730 nm): a typical cathode ray tube, Brainard 1997)
     """
-    if name == "srgb":
-        monitor = Monitor(name, RGB, np.eye(3), "linear sRGB", "IEC 61966-2-1:1999, red, green and blue as they are.")
-        return monitor.on(bands) if bands else monitor
+    if name == SRGB and (bands is None or bands == RGB):
+        return Monitor(name, RGB, np.eye(3), "linear sRGB", "IEC 61966-2-1:1999, red, green and blue as they are.")
+    if name == SRGB and bands is not None:
+        # Each primary's share of the white, which has Y = 1.
+        primaries = CHROMATICITIES * np.linalg.solve(CHROMATICITIES, WHITE / WHITE[1])
+        title = "a monitor with the primaries of sRGB"
+        return Monitor(name, bands, primaries, title, "IEC 61966-2-1:1999: chromaticities of primaries and white.")
     table, title = DISPLAYS[name]
     nm, spectra = display_primaries(table)
     xyz = spectra @ tristimulus(Bands(tuple(nm.tolist())), EQUAL_ENERGY)

@@ -290,3 +290,18 @@ def test_a_dimmed_lamp_dims_the_picture_against_the_white_of_another_palette(run
                         "--reference", "sun", "--out", "seen.png")  # fmt: skip
     assert code == 2
     assert "both choose the white" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("a.png", "the picture in sRGB, against sun, exposure 0.5."),
+        ("a.tif", "radiances, Bands(36 wavelengths, 380 … 730 nm), as they are: no exposure, no white taken out."),
+    ],
+)
+def test_what_is_written_beside_a_fit_is_said(run, name, said):
+    words = ["first", *SMALL, "--palette", "plain", "--exposure", 0.5, "-o", name]
+    fitted = [*words, "-p", "scale:red", "--no-cap"]
+    assert run("fit", *fitted)[1].endswith(f"{name}: {said}\n")
+    assert json.loads(run("fit", *fitted, "--json")[1])["written"] == [f"{name}: {said}"]
+    assert run("map-pixels", *words)[1].endswith(f"{name}: {said}\n")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from device.written import i1profiler
 
 import symrt as rt
 
@@ -163,3 +164,23 @@ def test_a_palette_is_brought_to_a_charts_bands_if_that_is_asked_for(run, tmp_pa
     expected = rt.feasible(system, palette, rt.device_gamut(chart, "envelope"), rt.Scale("red"))
     record = json.loads(run("feasible", "first.npz", *words, "-p", "scale:red", "--resample", "--json")[1])
     assert record[0]["intervals"] == [list(interval) for interval in expected.intervals]
+
+
+def test_srgb_is_a_monitor_to_compare_spectra_with(run):
+    code, out, err = run("report", "globe", *SMALL, "--palette", "macbeth", "--monitor", "srgb", "--model", "unit")
+    assert (code, err) == (0, "")
+    assert "srgb" in out
+
+
+def test_a_chart_measured_in_two_ways_is_asked_in_one(run, tmp_path):
+    (tmp_path / "chart.mxf").write_text(i1profiler()[0], encoding="utf-8")
+    record = json.loads(run("gamut", "--device", "chart.mxf", "--mode", "M2", "--json")[1])
+    assert record["device"] == "7 prints with amounts of R, G, B"
+    assert "those under M2 were read" in record["provenance"]
+    code, out, err = run("gamut", "--device", "chart.mxf")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "choose one with the mode, such as M0" in err
+    code, _, err = run("gamut", "globe", "--palette", "macbeth", "--device", "chart.mxf", "--mode", "M9")
+    assert code == 2
+    words = ["--size", 16, "--palette", "macbeth", "--device", "chart.mxf+crt-brainard", "--mode", "M0", "--json"]
+    assert json.loads(run("feasible", "globe", *words, "--resample", "-p", "scale:brass")[1])[0]["parameter"]

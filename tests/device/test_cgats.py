@@ -151,3 +151,48 @@ def test_bad_text_charts_end_in_one_line(tmp_path, text, message):
         load_device(file)
     assert str(error.value).startswith(f"{file}: ")
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("separator", ["\t", " ", "    "])
+@pytest.mark.parametrize(
+    "head", ["", "IFRA chart\nMeasured by Müller, D50 2\u00b0\n\n", "LGOROWLENGTH 7\n# 380 390 400\n"]
+)
+@pytest.mark.parametrize("foot", ["", "\n\n", "\n\t\t\n# the end\n"])
+def test_a_chart_without_keywords_is_read_from_the_line_that_names_its_fields(tmp_path, separator, head, foot):
+    # IFRA exports: the fields' names, then the prints, and neither BEGIN_DATA_FORMAT nor BEGIN_DATA.
+    lines = text_chart(prefix="nm", separator=separator).splitlines()
+    start, end = lines.index("BEGIN_DATA_FORMAT"), lines.index("BEGIN_DATA")
+    names = separator.join(lines[start + 1 : start + 3])
+    file = tmp_path / "ifra.txt"
+    file.write_text(head + "\n".join([names, *lines[end + 1 : -1]]) + foot, encoding="latin-1")
+    device = load_device(file)
+    assert device.bands == wavelengths(380, 730, 10)
+    np.testing.assert_allclose(device.samples, SPECTRA, rtol=1e-7)
+    np.testing.assert_allclose(device.amounts, AMOUNTS, rtol=1e-7)
+
+
+def test_a_chart_without_keywords_that_is_broken_ends_in_one_line(tmp_path):
+    file = tmp_path / "ifra.txt"
+    for text, message in (
+        ("SampleID nm380 nm390\n1 0.5\n", r"line 2: 2 values for 3 fields"),
+        ("SampleID nm380 nm390\n1 0.5 high\n", r"line 2, nm390: 'high' is not a number"),
+        ("SampleID nm380 nm390\n", r"no prints: the table has no rows"),
+        ("380 390 400\n1 2 3\n", r"nor a line that names fields such as nm380: neither CGATS text nor CxF"),
+        ("a letter\nof no numbers\n", r"neither CGATS text nor CxF; export the chart as one"),
+    ):
+        file.write_text(text)
+        with pytest.raises(ValueError, match=message) as error:
+            load_device(file)
+        assert str(error.value).startswith(f"{file}: ")
+
+
+def test_a_chart_that_lacks_an_ink_of_its_kind_says_so(tmp_path):
+    file = tmp_path / "chart.txt"
+    file.write_text(text_chart(inks=["CMYK_C", "CMYK_M", "CMYK_Y"]))
+    device = load_device(file)
+    assert device.inks == ("C", "M", "Y")
+    assert device.title == "7 prints with amounts of C, M, Y, read as 3 inks: there is no CMYK_K"
+    file.write_text(text_chart())
+    assert load_device(file).title == "7 prints with amounts of C, M, Y, K"
+    file.write_text(text_chart(inks=["RGB_R", "RGB_G", "RGB_B"], ink_scale=255))
+    assert load_device(file).title == "7 prints with amounts of R, G, B"

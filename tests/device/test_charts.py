@@ -7,7 +7,8 @@ import pytest
 from device.written import AMOUNTS, INKS, NM, SPECTRA, VARIANTS, cxf_chart, text_chart
 
 from symrt.device import cxf, measured
-from symrt.device.inks import load_device, reflectance
+from symrt.device.inks import load_device
+from symrt.device.printing import reflectance
 from symrt.gamut.files import load_gamut, save_gamut
 from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths

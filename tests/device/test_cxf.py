@@ -4,7 +4,7 @@ import importlib.util
 
 import numpy as np
 import pytest
-from device.written import AMOUNTS, SPECTRA, cxf_chart, real_chart, text_chart
+from device.written import AMOUNTS, SPECTRA, cxf_chart, i1profiler, real_chart, text_chart
 
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.inks import load_device
@@ -115,3 +115,50 @@ def test_the_real_chart_reads_as_by_colour_cxf_and_its_lab_follows_from_its_spec
     # The file says: D50, 2°, ASTM E308 table 5, which is the table for bands every 10 nm.
     ours = lab(device.samples @ tristimulus(device.bands, "illuminant/D50"), "illuminant/D50")
     assert np.linalg.norm(ours - np.array(labs), axis=1).max() <= 0.2
+
+
+@pytest.mark.parametrize("joined", ["place", "number"])
+@pytest.mark.parametrize("drive", ["RGB", "10 bits", "CMYK"])
+def test_of_a_chart_measured_in_two_ways_one_is_chosen_and_its_targets_are_joined(tmp_path, joined, drive):
+    text, order = i1profiler(joined, drive=drive)
+    file = tmp_path / "chart.mxf"
+    file.write_text(text, encoding="utf-8")
+    for mode, part in (("M0", 1), ("M2", 2)):
+        device = load_device(file, mode=mode)
+        np.testing.assert_allclose(device.samples, SPECTRA[order] / part, rtol=1e-11)
+        inks = 4 if drive == "CMYK" else 3
+        np.testing.assert_allclose(device.amounts, AMOUNTS[order, :inks], rtol=1e-11, atol=1e-15)
+        assert device.inks == (("Cyan", "Magenta", "Yellow", "Black") if drive == "CMYK" else ("R", "G", "B"))
+        assert f"Of measurements under M0 and M2 those under {mode} were read." in device.provenance
+        assert f"joined from 7 targets by {'page, row and column' if joined == 'place' else 'number'}" in (
+            device.provenance
+        )
+        assert "objects have no spectrum" not in device.provenance
+        assert f"DeviceIllumination '{mode}_Light'" in device.provenance
+    with pytest.raises(ValueError, match=r"the file has measurements under M0 and M2: choose one with the mode"):
+        load_device(file)
+    with pytest.raises(ValueError, match=r"mode = 'M1': the file has measurements under M0 and M2; choose one of th"):
+        load_device(file, mode="M1")
+
+
+def test_targets_that_nothing_joins_to_prints_are_left_and_said_to_be(tmp_path):
+    file = tmp_path / "chart.mxf"
+    text, order = i1profiler("nothing", modes=["M1"])
+    file.write_text(text, encoding="utf-8")
+    device = load_device(file, mode="M1")
+    assert device.inks == ()
+    assert "7 targets hold device values, and neither page, row and column nor a number joins" in device.provenance
+    np.testing.assert_array_equal(load_device(file).samples, SPECTRA[order])
+
+
+def test_a_mode_is_for_charts_that_have_one(tmp_path):
+    file = tmp_path / "chart.txt"
+    file.write_text(text_chart())
+    with pytest.raises(ValueError, match=r"chart\.txt: mode = 'M0': only CxF3 keeps measurements under several"):
+        load_device(file, mode="M0")
+    with pytest.raises(ValueError, match=r"mode = 'M0': synthetic-cmyk is no chart in CxF3"):
+        load_device("synthetic-cmyk", mode="M0")
+    file = tmp_path / "chart.mxf"
+    file.write_text(i1profiler(drive="10 bits")[0].replace(">1023<", ">0<"), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"object 'Target2': MaxRange is 0|object 'Target1': MaxRange is 0"):
+        load_device(file, mode="M0")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from symrt.device.dyes import dye_devices
-from symrt.device.inks import load_device, reflectance
-from symrt.device.printing import Device
+from symrt.device.inks import load_device
+from symrt.device.printing import Device, reflectance
 from symrt.gamut.basis import uniform_first
 from symrt.spectra.bands import RGB, wavelengths
 from symrt.spectra.library import spectrum

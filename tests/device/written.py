@@ -85,6 +85,52 @@ def cxf_chart(
     )
 
 
+def i1profiler(joined="place", modes=("M0", "M2"), drive="RGB", extra=""):
+    """A chart as i1Profiler exports it: targets with device values, then measurements in each mode, another order."""
+    order = DRAW.permutation(len(SPECTRA))
+
+    def tags(i):
+        tags = {"Page": i // 4, "Row": i % 4, "Column": 7} if joined == "place" else {}
+        inner = "".join(f'<cc:Tag Name="{name}" Value="{value}"/>' for name, value in tags.items())
+        return f'<cc:TagCollection Name="Location">{inner}</cc:TagCollection>'
+
+    objects = []
+    for i, (c, m, y, k) in enumerate(AMOUNTS):
+        values = {"R": 255 * c, "G": 255 * m, "B": 255 * y}
+        if drive == "CMYK":
+            values = {"Cyan": 100 * c, "Magenta": 100 * m, "Yellow": 100 * y, "Black": 100 * k}
+        inner = "".join(f"<cc:{name}>{value:.12g}</cc:{name}>" for name, value in values.items())
+        if drive == "10 bits":
+            inner = f"<cc:MaxRange>1023</cc:MaxRange><cc:R>{1023 * c:.12g}</cc:R><cc:G>{1023 * m:.12g}</cc:G>"
+            inner += f"<cc:B>{1023 * y:.12g}</cc:B>"
+        kind = "ColorCMYK" if drive == "CMYK" else "ColorRGB"
+        objects.append(
+            f'<cc:Object ObjectType="Target" Name="Target{i + 1}" Id="c{i}"><cc:DeviceColorValues><cc:{kind}>{inner}'
+            f"</cc:{kind}></cc:DeviceColorValues>{tags(i)}</cc:Object>"
+        )
+    for number, mode in enumerate(modes):
+        for i in order:
+            text = " ".join(f"{value / (1 + number):.12g}" for value in SPECTRA[i])
+            name = f"{mode}_Measurement{i + 1}" if joined != "nothing" else f"{mode}_Measurement"
+            objects.append(
+                f'<cc:Object ObjectType="{mode}_Measurement" Name="{name}" Id="c{mode}{i}"><cc:ColorValues>'
+                f'<cc:ReflectanceSpectrum StartWL="380" ColorSpecification="CS_{mode}">{text}</cc:ReflectanceSpectrum>'
+                f"</cc:ColorValues>{tags(i)}</cc:Object>"
+            )
+    specifications = "".join(
+        f'<cc:ColorSpecification Id="CS_{mode}"><cc:MeasurementSpec><cc:Device><cc:DeviceIllumination>{mode}_Light'
+        '</cc:DeviceIllumination></cc:Device><cc:WavelengthRange StartWL="380" Increment="10"/></cc:MeasurementSpec>'
+        "</cc:ColorSpecification>"
+        for mode in modes
+    )
+    text = (
+        '<?xml version="1.0" encoding="UTF-8"?><cc:CxF xmlns:cc="http://colorexchangeformat.com/CxF3-core">'
+        f"<cc:Resources><cc:ObjectCollection>{''.join(objects)}{extra}</cc:ObjectCollection>"
+        f"<cc:ColorSpecificationCollection>{specifications}</cc:ColorSpecificationCollection></cc:Resources></cc:CxF>"
+    )
+    return text, order
+
+
 def real_chart():
     if importlib.util.find_spec("colour_cxf") is None:
         pytest.skip("colour-cxf, which carries the real chart, is not installed: pip install symrt[print]")

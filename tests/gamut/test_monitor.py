@@ -121,11 +121,38 @@ def test_srgb_is_the_unit_cube_of_images_in_rgb():
 
 
 def test_monitors_and_bands_that_do_not_go_together_are_named():
-    with pytest.raises(ValueError, match=r"srgb shows RGB, not Bands.*'srgb' is for images in RGB"):
-        load_monitor("srgb", wavelengths(400, 700, 10))
+    with pytest.raises(ValueError, match=r"crt-brainard shows spectra, not RGB: choose 'srgb', or a palette in wave"):
+        load_monitor("crt-brainard", RGB)
     with pytest.raises(ValueError, match="crt-brainard shows spectra, not RGB"):
         load_device("crt-brainard", RGB)
     with pytest.raises(ValueError, match="span no three colours"):
         monitor_gamut(load_monitor("crt-brainard", Bands((450.0, 550.0))))
     with pytest.raises(ValueError, match="has no luminance"):
         monitor_gamut(load_monitor("crt-brainard")).under(np.zeros(36))
+
+
+def test_srgb_shows_spectra_as_colour_science_converts_them_to_srgb():
+    # IEC 61966-2-1 rounds its matrix to four digits: 5e-4 is what that can make of drive values around 1.
+    bands = wavelengths(380, 780, 5)
+    monitor = load_monitor("srgb", bands)
+    assert load_device("srgb").on(bands).primaries.tolist() == monitor.primaries.tolist()
+    assert load_monitor("srgb").bands == RGB
+    light = spectrum("illuminant/D65", bands)
+    seen = monitor_gamut(monitor).under(light)
+    reflectances = DRAW.uniform(0, 1, (30, len(bands)))
+    colour = colour_science()
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(colour.SpectralShape(380, 780, 5))
+    xyz = [
+        colour.sd_to_XYZ(
+            colour.SpectralDistribution(dict(zip(bands.centres, row, strict=True))),
+            illuminant=colour.SpectralDistribution(dict(zip(bands.centres, light, strict=True))),
+            cmfs=observer,
+            method="Integration",
+        )
+        for row in reflectances
+    ]
+    wanted = colour.XYZ_to_RGB(
+        np.array(xyz) / 100, "sRGB", apply_cctf_encoding=False, chromatic_adaptation_transform=None
+    )
+    np.testing.assert_allclose(seen.driven(reflectances), wanted, atol=5e-4)
+    np.testing.assert_array_equal(seen.contains(reflectances), ((wanted >= 0) & (wanted <= 1)).all(axis=1))
