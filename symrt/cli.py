@@ -7,6 +7,7 @@ line a fault on standard error and exit code 2; results go to standard output, p
 import sys
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import Annotated, Any
 
 import typer
@@ -40,7 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _warned
+            said: set[str] = set()
+            warnings.showwarning = partial(_warned, said)
             words = sys.argv[1:] if arguments is None else list(arguments)
             return int(app(words or ["--help"], prog_name="symrt", standalone_mode=False) or 0)
     except (KeyboardInterrupt, typer.Abort):
@@ -77,7 +79,11 @@ for command in COMMANDS:
     app.command(command.__name__.replace("_", "-"))(command)
 
 
-def _warned(message: Warning | str, *_: Any, **__: Any) -> None:
+def _warned(said: set[str], message: Warning | str, *_: Any, **__: Any) -> None:
+    """One line for each warning, however often the library has reason to give it."""
+    if str(message) in said:
+        return
+    said.add(str(message))
     typer.echo(f"symrt: warning: {message}", err=True)
 
 

@@ -5,7 +5,7 @@ Both sides of the waist are given files and arguments, so this stands at the bot
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called."""
@@ -56,6 +56,20 @@ def require(name: str, value: object, kind: type | tuple[type, ...], remedy: str
         raise TypeError(f"{name} is the class {value.__name__}: give {remedy}")
     if not isinstance(value, kind):
         raise TypeError(f"{name} is a {type(value).__name__}, {shown(value)}: give {remedy}")
+
+
+def require_list(name: str, values: object, example: str) -> None:
+    """Refuse one thing, or a mapping, where a function takes a list.
+
+    Examples
+    --------
+    >>> require_list("scales", 3, "[Scale('brass')]")
+    Traceback (most recent call last):
+    TypeError: scales is 3: give a list, such as [Scale('brass')]
+    """
+    if isinstance(values, str) or not isinstance(values, Sequence):
+        what = f"the class {values.__name__}" if isinstance(values, type) else shown(values)
+        raise TypeError(f"{name} is {what}: give a list, such as {example}")
 
 
 def shown(value: object) -> str:

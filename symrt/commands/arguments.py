@@ -145,11 +145,21 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
     return palettes[name]
 
 
-def against(system: "LinearSystem", palette: "Palette", source: str, file: str | None, name: str) -> "Palette":
+def against(
+    system: "LinearSystem", palette: "Palette", source: str, file: str | None, name: str, resample: bool = False
+) -> "Palette":
     """The palette with the white that another palette of the same file has under the scene's lights."""
-    other = palette_of(source, file, name)
+    palettes = rt.load_palettes(source if file is None else file)
+    if name not in palettes:
+        raise ValueError(
+            f"--white-of {shown(name)}: {file or source} has none of this name; {suggestion(name, palettes)}"
+        )
+    other = palettes[name].on(palette.bands) if resample else palettes[name]
     if other.bands != palette.bands:
-        raise ValueError(f"--white-of {shown(name)}: it is in {other.bands!r} and the palette in {palette.bands!r}")
+        raise ValueError(
+            f"--white-of {shown(name)}: it is in {other.bands!r} and the palette in {palette.bands!r}: name one on the "
+            "same bands"
+        )
     return replace(palette, white=rt.Reference().white(system, other))
 
 

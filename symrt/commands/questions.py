@@ -56,7 +56,7 @@ class Picture:
         given, _ = self.given, self.seen
         system = system_of(self.source, self.size, asked)
         if self.white_of is not None:
-            given = against(system, given, self.source, self.palettes, self.white_of)
+            given = against(system, given, self.source, self.palettes, self.white_of, self.resample)
         return parted(system, given, self.split)
 
 

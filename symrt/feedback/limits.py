@@ -24,8 +24,8 @@ from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
-from symrt.spectra.shading import shade, tail_bound
+from symrt.spectra.reference import Reference, as_asked
+from symrt.spectra.shading import check_names, shade, tail_bound
 from symrt.system import LinearSystem
 
 __all__ = [
@@ -93,15 +93,14 @@ class Limits:
 
 
 def check_kinds(system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut) -> None:
-    """Refuse a question whose parts were swapped, or not yet made.
+    """Refuse a question whose parts were swapped, or not yet made, and warn of names that seem misspelt.
 
     Raises
     ------
     TypeError
         That says which part is what, and what makes the right one.
     """
-    require("system", system, LinearSystem, "render(scene)")
-    require("palette", palette, Palette, "one of load_palettes(path)")
+    check_names(system, palette)
     require("gamut", gamut, (ConvexGamut, InkGamut, InkIntersection), "device_gamut(load_device(name), model)")
 
 
@@ -147,7 +146,7 @@ def limits(
             f"the palette is in {palette.bands!r}, {gamut.name} in {gamut.bands!r}: use palette.on(gamut.bands), or "
             "load_device(name, palette.bands)"
         )
-    reference = reference or Reference()
+    reference = as_asked(reference)
     white = reference.white(system, palette)
     visible = white >= INVISIBLE * white.max()
     under = gamut.under(white)

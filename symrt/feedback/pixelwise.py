@@ -15,14 +15,14 @@ from scipy.ndimage import gaussian_filter, minimum_filter
 from tqdm.auto import tqdm
 
 from symrt.arrays import Spectrum
-from symrt.feedback.limits import described, white_in_every_band
+from symrt.feedback.limits import check_kinds, described, white_in_every_band
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import ConvexGamut, clip
 from symrt.gamut.intersections import UnevenGamut
 from symrt.spectra.bands import Number
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 
@@ -111,13 +111,14 @@ def map_pixels(
     array([0.475, 0.9  ])
     """
     start = time.perf_counter()
+    check_kinds(system, palette, gamut)
     if towards not in get_args(Target):
         raise ValueError(f"towards = {towards!r}: there are {', '.join(map(repr, get_args(Target)))}")
     if towards == "nearest" and smoothness:
         raise ValueError("smoothness: the nearest points have no common amount of movement; choose neutral or centre")
     if not 0 <= smoothness < max(system.height, system.width):
         raise ValueError(f"smoothness = {smoothness}: it must be from 0 to the size of the image, in pixels")
-    reference = reference or Reference()
+    reference = as_asked(reference)
     white = white_in_every_band(system, palette, reference, [gamut])
     gamut = gamut.under(white)
     image = shade(system, palette)

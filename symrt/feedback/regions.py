@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool
 from scipy import sparse
 
-from symrt.errors import NAME
+from symrt.errors import NAME, require
 from symrt.feedback.parameters import material_of
 from symrt.feedback.weighing import check_mask
 from symrt.spectra.palette import Palette, did_you_mean
@@ -40,6 +40,9 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     >>> [str(interaction) for interaction in parted.interactions], parted.G.toarray().tolist()
     (['sun*bay.diffuse', 'sun*sea.diffuse'], [[0.0, 0.5], [0.25, 0.0]])
     """
+    require("system", system, LinearSystem, "render(scene)")
+    require("material", material, str, "the name of a material")
+    require("name", name, str, "a new name for the region")
     known = {material_of(symbol) for symbol in system.reflectances}
     if material not in known:
         raise ValueError(f"no material {did_you_mean([material], known)}; there are: {', '.join(sorted(known))}")
@@ -63,6 +66,9 @@ def with_region(palette: Palette, material: str, name: str) -> Palette:
     >>> with_region(Palette(RGB, {"sun": 1, "sea.diffuse": [0.1, 0.2, 0.3]}), "sea", "bay")["bay.diffuse"]
     array([0.1, 0.2, 0.3])
     """
+    require("palette", palette, Palette, "one of load_palettes(path)")
+    require("material", material, str, "the name of a material")
+    require("name", name, str, "the region's name")
     own = {s: palette[s] for s in palette.reflectances if material_of(s) == material}
     if not own:
         known = sorted({material_of(s) for s in palette.reflectances})

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
+from symrt.errors import require_list
 from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.parameters import material_of
 from symrt.feedback.weighing import check_most
@@ -21,7 +22,7 @@ from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
 from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, text_table
 
@@ -165,7 +166,8 @@ def report(
     [(1.0, None), (0.5, (1, 0))]
     """
     check_most(most)
-    reference = reference or Reference()
+    require_list("gamuts", gamuts, "[device_gamut(device, 'envelope')]")
+    reference = as_asked(reference)
     white = white_in_every_band(system, palette, reference, gamuts)
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from symrt.arrays import Spectrum
-from symrt.errors import suggestion
+from symrt.errors import require, shown, suggestion
 from symrt.spectra.bands import Bands
 from symrt.spectra.library import colour_science, spectrum
 
@@ -37,6 +37,7 @@ def display_matrix(bands: Bands, white: Spectrum) -> Float[np.ndarray, "band 3"]
     >>> (np.full(36, 0.5) @ display_matrix(bands, np.ones(36))).round(12)
     array([0.5, 0.5, 0.5])
     """
+    white = checked_white(white, bands)
     luminance = float(luminance_weights(bands) @ white)
     if not luminance > 0:
         raise ValueError("the reference white has no luminance: no exposure shows it; choose another reference")
@@ -47,6 +48,39 @@ def display_matrix(bands: Bands, white: Spectrum) -> Float[np.ndarray, "band 3"]
         return np.ones((1, 3)) * observer[:, 1:2]
     xyz_to_rgb = np.linalg.inv(_rgb_to_xyz())
     return observer @ (xyz_to_rgb @ _adaptation(white @ observer)).T
+
+
+def checked_white(white: object, bands: Bands) -> Spectrum:
+    """The radiance of a white, one number a band.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no radiance, or one in other bands.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import RGB
+    >>> checked_white([1, 1, 0.5], RGB)
+    array([1. , 1. , 0.5])
+    """
+    try:
+        values = np.array(white, dtype=float)
+    except (TypeError, ValueError):
+        remedy = "give a radiance, such as image.white or reference.white(system, palette)"
+        raise TypeError(f"white is a {type(white).__name__}, {shown(white)}: {remedy}") from None
+    if values.shape != (len(bands),):
+        raise ValueError(f"white = {shown(white)}: a white has one number for each band of {bands!r}")
+    if not (np.isfinite(values).all() and values.min() >= 0):
+        raise ValueError(f"white = {shown(values.tolist())}: a white is finite and not negative")
+    return values
+
+
+def check_exposure(exposure: object) -> None:
+    """Refuse what is no factor on radiances."""
+    require("exposure", exposure, (int, float, np.number), "a number above 0; 1 shows the reference white as white")
+    if not (np.isfinite(exposure) and exposure > 0):  # type: ignore[operator, call-overload]
+        raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
 
 
 def luminance_weights(bands: Bands) -> Spectrum:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
 from symrt.arrays import Spectrum
 from symrt.spectra.bands import Bands
@@ -63,15 +63,25 @@ class SpectralImage:
             return None
         from symrt.spectra.png import encode_png  # noqa: PLC0415  # only a notebook needs the encoder
 
-        return encode_png(to_rgb8(self.values @ display_matrix(self.bands, self.white)))
+        return encode_png(self._codes(self.white))
 
     def __array__(self, dtype: np.dtype | type | None = None, *, copy: bool | None = None) -> np.ndarray:
-        """The radiances, so that NumPy and matplotlib take an image where they take an array.
+        """The picture in 8-bit sRGB, as a notebook shows it, for whatever takes pictures: ``plt.imshow(image)``.
+
+        The radiances, band by band and not clipped, are `values`.
 
         Examples
         --------
         >>> from symrt.spectra.bands import RGB
-        >>> np.asarray(SpectralImage(np.zeros((2, 3, 3)), RGB)).shape
-        (2, 3, 3)
+        >>> np.asarray(SpectralImage(np.array([[[1.0, 0.5, 0.0]]]), RGB, whites={"sun": np.ones(3)})).tolist()
+        [[[255, 188, 0]]]
         """
-        return np.array(self.values, dtype=dtype, copy=copy)
+        if self.bands.kind == "coordinate" or self.white is None:
+            lacks = "no white" if self.bands.kind != "coordinate" else "basis coordinates, which have no colour"
+            raise ValueError(f"the image has {lacks}: it is no picture: take image.values")
+        if copy is False:
+            raise ValueError("the picture is made when it is asked for: leave out copy=False, or take image.values")
+        return np.asarray(self._codes(self.white), dtype=dtype)
+
+    def _codes(self, white: Spectrum) -> UInt8[np.ndarray, "height width 3"]:
+        return to_rgb8(self.values @ display_matrix(self.bands, white))

@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
-from symrt.errors import shown
+from symrt.errors import require, shown
 from symrt.spectra.bands import Bands, resample
 
 OBSERVER = "CIE 1931 2 Degree Standard Observer"
@@ -50,6 +50,7 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     >>> spectrum("illuminant/E", wavelengths(400, 700, 100))
     array([1., 1., 1., 1.])
     """
+    require("name", name, str, "the name of a spectrum, such as 'macbeth/red', or a colour, '#c08a3e'")
     if name.lstrip().startswith("#"):
         return from_rgb(srgb(name), bands, reflectance=reflectance is not False)
     group, nm, values, found = _look_up(_key(name), name)
@@ -94,6 +95,7 @@ def srgb(colour: str) -> Float[np.ndarray, "3"]:
     >>> srgb("#ff8000").round(4)
     array([1.    , 0.2159, 0.    ])
     """
+    require("colour", colour, str, "a colour as text, '#c08a3e'")
     digits = colour.strip()[1:]
     if not re.fullmatch(r"\s*#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})\s*", colour):
         raise ValueError(f"{shown(colour)} is no colour: write # and six hexadecimal digits, such as '#c08a3e'")

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.errors import NAME, RESERVED, shown
+from symrt.errors import NAME, RESERVED, require, shown
 from symrt.spectra.bands import Bands, resample
 from symrt.spectra.library import spectrum as library_spectrum
 
@@ -42,7 +42,8 @@ class Palette:
         Permits reflectances above 1; it is carried along by `replace`, `add` and `on`.
     white
         Radiance of the white that the spectra are meant to be seen against, as `Fit` found them: it stays when a light
-        is replaced, so that a dimmer lamp makes a dimmer picture.  None: the key light's, whatever it is.
+        is replaced, so that a dimmer lamp makes a dimmer picture.  None: the key light's, whatever it is; with
+        ``dataclasses.replace(palette, white=None)`` a palette lets go of its own.
 
     Examples
     --------
@@ -58,6 +59,8 @@ class Palette:
     white: SpectrumLike | None = None
 
     def __post_init__(self) -> None:
+        require("bands", self.bands, Bands, "wavelengths(380, 730, 10) or RGB")
+        require("spectra", self.spectra, Mapping, "a spectrum for each symbol, {'sun': 1, 'red.diffuse': 0.5}")
         if self.bands.kind == "coordinate":
             raise ValueError(
                 "a palette in coordinates: their products are wrong; give spectra here, and the basis to shade"
@@ -73,6 +76,9 @@ class Palette:
                 object.__setattr__(self, "white", _checked("white", self.white, self.bands, unphysical=True))
             except ValueError as error:
                 faults.append(f"the palette's white: {error}")
+            else:
+                if not np.asarray(self.white).any():
+                    faults.append("the palette's white is black: give its radiance, or None for the key light's")
         if faults:
             raise ValueError("\n".join(faults))
         object.__setattr__(self, "spectra", MappingProxyType(arrays))
@@ -188,7 +194,10 @@ def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> 
     if array.ndim == 0:
         array = np.full(len(bands), array)
     if array.shape != (len(bands),):
-        raise ValueError(f"{name!r} has {array.size} values for {bands!r}: give one a band, or one number for all")
+        colour = ", or a colour as text, '#c08a3e'" if array.shape == (3,) else ""
+        raise ValueError(
+            f"{name!r} has {array.size} values for {bands!r}: give one a band, or one number for all{colour}"
+        )
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{name!r} is {array[~np.isfinite(array)][0]} at {_where(~np.isfinite(array), bands)}")
     if np.any(array < 0):

@@ -24,7 +24,7 @@ import numpy as np
 import tomli_w
 from jaxtyping import Float
 
-from symrt.errors import NAME, SceneError, refuse, shown, suggestion
+from symrt.errors import NAME, SceneError, refuse, require, shown, suggestion
 from symrt.reading import inside, number_faults, read_toml, scene_path
 from symrt.spectra.bands import RGB, Bands, resample, wavelengths
 from symrt.spectra.library import from_rgb, spectrum
@@ -98,6 +98,9 @@ def save_palettes(path: str | Path, palettes: Mapping[str, Palette]) -> None:
     array([4., 3., 2.])
     """
     path = Path(path)
+    require("palettes", palettes, (dict, Mapping), "palettes by name, {'plain': palette}")
+    for palette in palettes.values():
+        require("palette", palette, Palette, "Palette(bands, spectra) for each name")
     if wrong := [name for name in palettes if not NAME.fullmatch(name)]:
         raise ValueError(f"{shown(wrong[0])} cannot name a palette: a letter, then letters, digits and '_'")
     if path.exists() and set(read_toml(path)) - {"palettes"}:

@@ -20,6 +20,20 @@ COLOUR_SPACE = {
 """What the specification gives for sRGB; the last two are for readers that do not know the first."""
 
 
+def srgb_chunks() -> PngInfo:
+    """What Pillow writes into a PNG, so that it names its colour space.
+
+    Examples
+    --------
+    >>> [chunk[0] for chunk in srgb_chunks().chunks]
+    [b'sRGB', b'gAMA', b'cHRM']
+    """
+    found = PngInfo()
+    for name, data in COLOUR_SPACE.items():
+        found.add(name, data)
+    return found
+
+
 def encode_png(codes: UInt8[np.ndarray, "height width 3"]) -> bytes:
     """8-bit sRGB, such as a `preview`, as a PNG that names its colour space.
 
@@ -28,7 +42,4 @@ def encode_png(codes: UInt8[np.ndarray, "height width 3"]) -> bytes:
     >>> b"sRGB" in encode_png(np.zeros((1, 1, 3), dtype=np.uint8))
     True
     """
-    chunks = PngInfo()
-    for name, data in COLOUR_SPACE.items():
-        chunks.add(name, data)
-    return imageio.imwrite("<bytes>", codes, extension=".png", pnginfo=chunks)
+    return imageio.imwrite("<bytes>", codes, extension=".png", pnginfo=srgb_chunks())

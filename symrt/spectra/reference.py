@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from symrt.arrays import Spectrum
-from symrt.errors import shown
+from symrt.errors import require, shown
 from symrt.spectra.bands import Number
-from symrt.spectra.display import white_among
+from symrt.spectra.display import check_exposure, white_among
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
@@ -43,15 +43,17 @@ class Reference:
     radiance: Sequence[float] | Spectrum | None = None
 
     def __post_init__(self) -> None:
+        if self.light is not None:
+            require("light", self.light, str, "the name of a light, 'equal-energy' or an illuminant, 'illuminant/D65'")
         if self.radiance is not None:
-            values = tuple(float(value) for value in self.radiance)
+            try:
+                values = tuple(float(value) for value in self.radiance)
+            except (TypeError, ValueError):
+                raise TypeError(f"radiance = {shown(self.radiance)}: give numbers, one a band") from None
             if not (all(np.isfinite(value) and value >= 0 for value in values) and any(values)):
                 raise ValueError(f"radiance = {shown(values)}: a white is finite, not negative, and not black")
             object.__setattr__(self, "radiance", values)
-        if not (np.isfinite(self.exposure) and self.exposure > 0):
-            raise ValueError(
-                f"exposure = {self.exposure}: it must be above 0, and 1 shows the reference white as white"
-            )
+        check_exposure(self.exposure)
 
     def white(self, system: LinearSystem, palette: Palette) -> Spectrum:
         """Radiance w of the reference white, which ``exposure`` does not change.
@@ -99,6 +101,20 @@ class Reference:
 
 GIVEN = "the palette's white"
 """What the white that a palette carries is called; no light can have this name."""
+
+
+def as_asked(reference: Reference | None) -> Reference:
+    """The reference given; None, the default one; anything else is refused.
+
+    Examples
+    --------
+    >>> as_asked(None)
+    Reference(light=None, exposure=1.0, radiance=None)
+    """
+    if reference is None:
+        return Reference()
+    require("reference", reference, Reference, "Reference('sun', exposure=1.0)")
+    return reference
 
 
 def whites(system: LinearSystem, palette: Palette) -> dict[str, Spectrum]:

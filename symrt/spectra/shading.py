@@ -18,7 +18,7 @@ from scipy import sparse
 from symrt.arrays import Spectrum
 from symrt.errors import require
 from symrt.spectra.bands import Bands, Number, coordinates
-from symrt.spectra.display import display_matrix, to_rgb8
+from symrt.spectra.display import check_exposure, display_matrix, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
@@ -72,7 +72,7 @@ def shade(
     [[[0.8, 0.1, 0.0], [0.0, 0.0, 0.0]]]
     """
     start = time.perf_counter()
-    check_kinds(system, palette)
+    check_names(system, palette)
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     vectors = None if basis is None else _vectors(basis, palette.bands)
     cut_off = None if system.tail is None else tail_bound(system.tail, palette)
@@ -90,7 +90,7 @@ def shade(
     )
 
 
-def check_kinds(system: LinearSystem, palette: Palette) -> None:
+def check_names(system: LinearSystem, palette: Palette) -> None:
     """Refuse arguments that were swapped, or not yet made, and warn of entries of a palette that seem misspelt.
 
     Raises
@@ -238,7 +238,7 @@ def preview(
     exposure: Number = 1.0,
     *,
     parameters: Mapping[str, Number] | None = None,
-    white: Spectrum | None = None,
+    white: Spectrum | str | None = None,
 ) -> UInt8[np.ndarray, "height width 3"]:
     """The picture in 8-bit sRGB without its spectra: ``G (Γ C)``, projected before the product.
 
@@ -249,9 +249,9 @@ def preview(
     parameters
         A value for each parameter that the system kept free.
     white
-        Radiance of what is shown as white, in the palette's bands.  None: the white that the palette carries, or else
-        the key light's *in this palette*, so that a dimmer lamp makes the same picture; to see it dimmer, fix the white
-        with ``white=Reference().white(system, brighter_palette)``.
+        What is shown as white, as for `to_rgb`.  None: the white that the palette carries, or else the key light's *in
+        this palette*, so that a dimmer lamp makes the same picture; to see it dimmer, fix the white with
+        ``white=Reference().white(system, brighter_palette)``.
 
     Examples
     --------
@@ -261,8 +261,9 @@ def preview(
     >>> preview(system, Palette(RGB, {"sun": 2, "red.diffuse": [1, 0.5, 0]})).tolist()
     [[[255, 188, 0]]]
     """
-    check_kinds(system, palette)
-    seen = Reference(exposure=exposure).white(system, palette) if white is None else white
+    check_names(system, palette)
+    check_exposure(exposure)
+    seen = Reference(white).white(system, palette) if white is None or isinstance(white, str) else white
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     colours = spectra @ (exposure * display_matrix(palette.bands, seen))
     codes = [to_rgb8(rows @ colours) for rows in _row_blocks(system.G, ROWS)]

@@ -4,8 +4,9 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Spectrum
+from symrt.errors import require
 from symrt.spectra.bands import Number
-from symrt.spectra.display import display_matrix, encode, white_among
+from symrt.spectra.display import check_exposure, display_matrix, encode, white_among
 from symrt.spectra.image import SpectralImage
 
 
@@ -38,12 +39,12 @@ def linear_rgb(
     image: SpectralImage, exposure: Number = 1.0, white: Spectrum | str | None = None
 ) -> Float[np.ndarray, "height width 3"]:
     """The image in linear sRGB, not clipped: below 0 or above 1 where a screen cannot follow."""
+    require("image", image, SpectralImage, "shade(system, palette)")
     if image.bands.kind == "coordinate":
         raise ValueError("the image holds basis coordinates: shade it without basis= to see it")
-    if not (np.isfinite(exposure) and exposure > 0):
-        raise ValueError(f"exposure = {exposure}: it must be above 0, and 1 shows the reference white as white")
+    check_exposure(exposure)
     radiance = white_among(image.whites, white, image.bands) if white is None or isinstance(white, str) else white
-    return image.values @ (exposure * display_matrix(image.bands, np.asarray(radiance, dtype=float)))
+    return image.values @ (exposure * display_matrix(image.bands, radiance))
 
 
 def clipped(image: SpectralImage, exposure: Number = 1.0, white: Spectrum | str | None = None) -> float:

@@ -305,3 +305,36 @@ def test_what_is_written_beside_a_fit_is_said(run, name, said):
     assert run("fit", *fitted)[1].endswith(f"{name}: {said}\n")
     assert json.loads(run("fit", *fitted, "--json")[1])["written"] == [f"{name}: {said}"]
     assert run("map-pixels", *words)[1].endswith(f"{name}: {said}\n")
+
+
+def test_the_white_of_another_palette_is_resampled_with_the_palette(run, system):
+    rt.save_system("first.npz", system)
+    plain = rt.load_palettes("first")["plain"]
+    bands = rt.wavelengths(380, 740, 20)
+    coarse = rt.Palette(bands, {name: np.interp(bands.centres, plain.bands.centres, plain[name]) for name in plain})
+    rt.save_palettes("coarse.toml", {"bright": coarse, "dim": coarse.replace(sun=0.1 * coarse["sun"])})
+    asked = ["feasible", "first.npz", "--palettes", "coarse.toml", "--palette", "dim", "--white-of", "bright"]
+    code, out, _ = run(*asked, "-p", "exposure", "--resample", "--within", "0.1", "100", "--json")
+    assert code == 0
+    assert json.loads(out)[0]["intervals"][-1][1] > 5
+    code, out, err = run(*asked[:-1], "brigth", "-p", "exposure", "--resample")
+    assert (code, out) == (2, "")
+    assert err == "symrt: --white-of 'brigth': coarse.toml has none of this name; did you mean 'bright'?\n"
+
+
+@pytest.mark.filterwarnings("always:the palette's")
+def test_a_misspelt_entry_is_named_once_on_the_command_line(run, system):
+    rt.save_system("first.npz", system)
+    plain = rt.load_palettes("first")["plain"]
+    rt.save_palettes("typo.toml", {"plain": plain.add({"redd.diffuse": 0.5})})
+    for words in (
+        ["shade", "--out", "a.png"],
+        ["feasible", "-p", "scale:red"],
+        ["report", "--device", "synthetic-cmyk"],
+    ):
+        code, _, err = run(words[0], "first.npz", "--palettes", "typo.toml", *words[1:])
+        assert code == 0
+        assert (
+            err
+            == "symrt: warning: the palette's 'redd.diffuse' is nothing in this scene: did you mean 'red.diffuse'?\n"
+        )

@@ -1,6 +1,7 @@
 """What figures show is what the numbers say: Figure 1 of the paper, feasible ranges and their reasons."""
 
 from dataclasses import replace
+from io import BytesIO
 from itertools import combinations
 
 import imageio.v3 as imageio
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.text import Text
+from PIL import Image
 from scipy.optimize import isotonic_regression
 from scipy.spatial import ConvexHull
 
@@ -277,3 +280,9 @@ def test_a_fit_is_drawn_with_its_factors_its_reasons_and_both_pictures_under_one
     white = rt.Reference().white(system, plain())
     assert np.array_equal(given, rt.preview(system, plain()))
     assert np.array_equal(after, rt.preview(system, found.palette, white=white))
+
+
+def test_a_figure_says_that_it_is_srgb():
+    with Image.open(BytesIO(plots.png(Figure(figsize=(1, 1))))) as picture:
+        assert picture.info["srgb"] == 1
+        assert picture.info["gamma"] == pytest.approx(0.45455)

@@ -184,6 +184,22 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
             lambda: rt.fit(system, palette, gamut, rt.Scale),
             lambda: rt.safe_box(system, palette, gamut, red),
             lambda: rt.feasible(system, palette, gamut, rt.Scale),
+            lambda: rt.adapt(scene, palette, gamut, [red]),
+            lambda: rt.adapt(system, palette, gamut, red),
+            lambda: rt.map_pixels(palette, system, gamut),
+            lambda: rt.report(system, palette, gamut),
+            lambda: rt.safe_box(system, palette, gamut, None),
+            lambda: rt.joint_region(system, palette, gamut, red, "sun"),
+            lambda: rt.with_region(system, "red", "left"),
+            lambda: rt.feasible(system, palette, gamut, red, reference="sun"),
+            lambda: rt.report(system, palette, [gamut], reference=palette["sun"]),
+            lambda: rt.adapt(system, palette, gamut, [red], reference=rt.Reference),
+            lambda: rt.preview(system, palette, white=red),
+            lambda: rt.to_rgb(palette),
+            lambda: rt.to_rgb(rt.shade(system, palette), exposure="1"),
+            lambda: rt.save_palettes("a.toml", palette),
+            lambda: rt.Palette("rgb", {"sun": 1}),
+            lambda: rt.srgb(3),
         ):
             try:
                 ask()
@@ -203,5 +219,14 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
     ]
     kinds += ["scale is a str", "system is a Scene", "system is a Palette", "palette is a Palettes"]
     kinds += ["scales is the class", "scales is Scale(name='red'): give", "parameter is the class"]
+    kinds += [
+        "system is a Scene",
+        "scales is Scale(name='red'): give",
+        "system is a Palette",
+        "gamuts is Gamut(unit gamut",
+    ]
+    kinds += ["scales is None: give", "parameter is a str", "palette is a LinearSystem", "reference is a str"]
+    kinds += ["reference is a ndarray", "reference is the class", "white is a Scale", "image is a Palette"]
+    kinds += ["exposure is a str", "palettes is a Palette", "bands is a str", "colour is a int"]
     assert [" ".join(line.split()[:4]).rstrip(",") for line in said] == kinds
     assert "give device_gamut(load_device(name), model)" in said[1]

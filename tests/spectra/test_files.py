@@ -4,6 +4,7 @@ import imageio.v3 as imageio
 import numpy as np
 import OpenEXR
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from symrt.spectra.bands import RGB, coordinates, wavelengths
@@ -114,10 +115,21 @@ def test_a_png_says_that_it_is_srgb(tmp_path):
         assert picture.info["srgb"] == 1
 
 
-def test_an_image_is_an_array_for_numpy_and_matplotlib():
+def test_an_image_is_a_picture_for_numpy_matplotlib_and_pillow(tmp_path):
     image = make_image()
-    np.testing.assert_array_equal(np.asarray(image), image.values)
-    assert np.asarray(image, dtype=np.float32).dtype == np.float32
-    copy = np.array(image)
-    copy[:] = 0
-    assert image.values.any()
+    save_image(tmp_path / "a.png", image)
+    picture = imageio.imread(tmp_path / "a.png")
+    np.testing.assert_array_equal(np.asarray(image), picture)
+    np.testing.assert_array_equal(np.array(image, dtype=np.float32), picture.astype(np.float32))
+    np.testing.assert_array_equal(np.asarray(Image.fromarray(np.asarray(image))), picture)
+    shown = Figure().subplots().imshow(image)
+    np.testing.assert_array_equal(shown.get_array(), picture)
+
+
+def test_an_image_that_cannot_be_seen_is_no_picture():
+    with pytest.raises(ValueError, match=r"coordinates, which have no colour: it is no picture: take image\.values"):
+        np.asarray(SpectralImage(np.ones((2, 2, 5)), coordinates(5)))
+    with pytest.raises(ValueError, match="the image has no white"):
+        np.asarray(SpectralImage(np.ones((2, 2, 3)), RGB))
+    with pytest.raises(ValueError, match="leave out copy=False"):
+        np.asarray(make_image(), copy=False)

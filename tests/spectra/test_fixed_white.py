@@ -7,6 +7,7 @@ import pytest
 from feedback.synthetic import palette, system
 
 import symrt as rt
+from symrt.spectra.display import checked_white
 
 IMAGE, COLOURS = system(height=8, width=8, seed=3), palette(seed=3)
 GAMUT = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")
@@ -70,6 +71,8 @@ def test_a_palettes_white_stays_through_every_copy():
 def test_a_white_that_is_none_is_refused():
     with pytest.raises(ValueError, match="the palette's white: 'white' has 2 values"):
         replace(COLOURS, white=[1.0, 2.0])
+    with pytest.raises(ValueError, match="the palette's white is black"):
+        replace(COLOURS, white=0.0)
     with pytest.raises(ValueError, match="a white is finite, not negative, and not black"):
         rt.Reference(radiance=[0.0, 0.0])
     with pytest.raises(ValueError, match="has 2 bands and the palette"):
@@ -83,3 +86,46 @@ def test_references_with_a_white_can_be_compared_and_kept():
     kept = rt.Reference(exposure=2.0).kept(IMAGE, COLOURS)
     assert kept.kept(IMAGE, BRIGHT) == kept
     assert kept.called(IMAGE, BRIGHT) == "key as it was"
+
+
+def test_what_was_adapted_keeps_its_white_through_a_file(tmp_path):
+    seen = rt.Reference("key", exposure=3.0)
+    found = rt.adapt(IMAGE, COLOURS, GAMUT, [KEY], cap=False, reference=seen, progress=False)
+    assert found.exposure < 0.9  # it dims all lights: against their own white nothing would have changed
+    rt.save_palettes(tmp_path / "adapted.toml", {"adapted": found.palette})
+    back = rt.load_palettes(tmp_path / "adapted.toml")["adapted"]
+    np.testing.assert_array_equal(back.white, seen.white(IMAGE, COLOURS))
+    alone = rt.feasible(IMAGE, back, GAMUT, rt.Exposure(), cap=False, reference=rt.Reference(exposure=3.0))
+    assert (alone.verdict, alone.high >= 1 - 1e-9) == ("complete", True)
+    white = seen.white(IMAGE, COLOURS)
+    np.testing.assert_allclose(
+        rt.to_rgb(found.image(IMAGE)), rt.to_rgb(rt.shade(IMAGE, found.palette), white=white), rtol=1e-12
+    )
+
+
+def test_a_scaled_light_is_dimmed_no_further_than_the_white_given_asks_for():
+    printed = rt.device_gamut(rt.load_device("dye3-endura-premier"), "colorimetric")
+    seen = rt.Reference("key", exposure=3.0)
+    found = rt.adapt(IMAGE, COLOURS, printed, [KEY], cap=False, reference=seen, most_difference=0.0, progress=False)
+    white = seen.white(IMAGE, COLOURS) / 3.0
+    dimmed = [step for step in found.steps if step.means != "as given" and step.exposure < 1]
+    for step in dimmed:
+        values = rt.shade(IMAGE, step.palette).values.reshape(-1, 36)[IMAGE.object_pixels] / white
+        assert step.inside == pytest.approx(np.mean(printed.contains(values)), abs=0.02)
+        assert np.mean(printed.contains(1.02 * values)) < step.inside
+    assert dimmed
+
+
+def test_a_white_of_another_kind_is_named_with_what_makes_one():
+    for white, said in ((rt.Reference(), "white is a Reference"), (KEY, "white is a Scale"), (COLOURS, "white is a")):
+        with pytest.raises(TypeError, match=said):
+            checked_white(white, COLOURS.bands)
+    for white in (1.0, [1.0, 2.0], np.full(36, -1.0), np.full(36, np.nan)):
+        with pytest.raises(ValueError, match=r"white = .*: a white "):
+            checked_white(white, COLOURS.bands)
+
+
+def test_a_preview_can_be_seen_against_a_light_by_name():
+    named = rt.preview(IMAGE, COLOURS, white="fill")
+    np.testing.assert_array_equal(named, rt.preview(IMAGE, COLOURS, white=rt.Reference("fill").white(IMAGE, COLOURS)))
+    assert (named != rt.preview(IMAGE, COLOURS)).any()

@@ -13,7 +13,7 @@ from symrt.feedback.pixelwise import Mapped
 from symrt.spectra.display import to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import shade
 from symrt.spectra.viewing import linear_rgb
 from symrt.system import LinearSystem
@@ -55,7 +55,7 @@ def adapted_figure(
     >>> adapted_figure(found, system, palette).get_suptitle()
     'Into the gamut by the simplest means: reached'
     """
-    reference = reference or Reference()
+    reference = as_asked(reference)
     last = found.accepted or found.steps[-1]
     names = [wrapped(step.means, LETTERS) for step in found.steps]
     left = 0.45 + 2 * (PICTURE + 0.15) + max(text_width(name, 7.5) for name in names)
@@ -97,7 +97,7 @@ def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, referen
     >>> mapped_figure(map_pixels(system, palette, device_gamut(device, "envelope")), system, palette).get_suptitle()
     'Pixels moved into the gamut one by one: 50.0%'
     """
-    reference = reference or Reference()
+    reference = as_asked(reference)
     figure = Drawing(figsize=(WIDTH, _height(system, 0.0)), facecolor="white")
     headline(figure, f"Pixels moved into the gamut one by one: {found.share:.1%}")
     _draw_before_and_after(figure, system, palette, reference, found.image, "moved")

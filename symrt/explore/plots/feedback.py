@@ -35,7 +35,7 @@ from symrt.feedback.reasons import Feasible
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
@@ -126,7 +126,7 @@ def _binding(
     reason = found.reasons[-1][1] if found.reasons else None
     if reason is None or reason.x is None or reason.y is None or found.none_inside:
         return None
-    seen = reference or Reference()
+    seen = as_asked(reference)
     white = seen.white(system, palette)
     shown = np.divide(seen.exposure, white, out=np.zeros(len(white)), where=~asked.masked)
     pixel = np.array([reason.y * found.width + reason.x])

@@ -11,7 +11,7 @@ from symrt.explore.plots.panels import picture_panel
 from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, text_width, wrapped
 from symrt.feedback.reasons import Fit
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
@@ -48,7 +48,7 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
     >>> fit_figure(found, system, palette).get_suptitle()
     'The lexicographic picture inside the gamut'
     """
-    reference = reference or Reference()
+    reference = as_asked(reference)
     white = reference.white(system, palette)
     tall = min(PICTURE, PICTURE * system.height / system.width)
     body = max(tall, ROW * len(found.values))

@@ -10,6 +10,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
 from symrt.spectra.bands import Number
+from symrt.spectra.png import srgb_chunks
 
 __all__ = [
     "ABOVE",
@@ -43,7 +44,7 @@ class Drawing(Figure):
 
 
 def png(figure: Figure, dpi: int = 160) -> bytes:
-    """A figure as the bytes of a PNG file.
+    """A figure as the bytes of a PNG file, which says that it is sRGB.
 
     Examples
     --------
@@ -51,7 +52,7 @@ def png(figure: Figure, dpi: int = 160) -> bytes:
     b'PNG'
     """
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi)
+    figure.savefig(buffer, format="png", dpi=dpi, pil_kwargs={"pnginfo": srgb_chunks()})
     return buffer.getvalue()
 
 

@@ -8,7 +8,7 @@ answer says what each one lacked, what bound it, and what could have been reache
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +19,7 @@ from symrt.feedback.joint.acceptance import Goal
 from symrt.feedback.joint.adapted import Adapted, Criteria, Step
 from symrt.feedback.joint.appearance import Appearance, appearance
 from symrt.feedback.joint.fits import fit, symbols_of
-from symrt.feedback.limits import described
+from symrt.feedback.limits import check_kinds, described
 from symrt.feedback.parameters import Exposure, Scale, moved
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
@@ -29,7 +29,7 @@ from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut, device_gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
 
 __all__ = ["adapt"]
@@ -108,6 +108,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     ('not reached', None)
     """
     start = time.perf_counter()
+    check_kinds(system, palette, gamut)
     check_share(least_inside, "least_inside")
     check_share(least_lightness or 0.0, "least_lightness")
     if most_difference is not None and not most_difference >= 0:
@@ -115,8 +116,10 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     symbols_of(system, palette, scales)
     criteria = Criteria(float(least_inside), most_difference, least_lightness)
     checked = checked_range(scales[0] if scales else Scale("-"), within)
-    image = appearance(system, palette, gamut, reference or Reference(), most=most)
-    work = _Work(image, tuple(scales), checked, reference or Reference(), cap, criteria)
+    # Every step is seen against the white of the image given, and its palette carries it.
+    seen = as_asked(reference).kept(system, palette)
+    image = appearance(system, replace(palette, white=seen.radiance), gamut, seen, most=most)
+    work = _Work(image, tuple(scales), checked, seen, cap, criteria)
     steps: list[Step] = []
     with tqdm(desc="adapt", unit="step", delay=1, leave=False, disable=not progress) as bar:
         for step in _steps(work, map_rest):

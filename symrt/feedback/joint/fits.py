@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Int
 from tqdm.auto import tqdm
 
-from symrt.errors import require, shown
+from symrt.errors import require, require_list
 from symrt.feedback.along import Along, along_ends
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
@@ -30,7 +30,7 @@ from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Black, Gamut, device_gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
-from symrt.spectra.reference import Reference
+from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
 
 __all__ = ["certify", "fit", "outside_at_rest", "symbols_of", "task_of", "with_black"]
@@ -140,7 +140,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
             budget=budget,
         )
     found = _checked(task, whole, answer, outside, most)
-    kept = (reference or Reference()).kept(system, palette)
+    kept = as_asked(reference).kept(system, palette)
     return replace(
         found,
         palette=replace(found.palette, white=kept.radiance),
@@ -261,9 +261,7 @@ def symbols_of(system: LinearSystem, palette: Palette, scales: Sequence[Scale]) 
     >>> {name: sorted(symbols) for name, symbols in symbols_of(system, palette, [Scale("sea"), Scale("sun")]).items()}
     {'sea': ['sea.diffuse', 'sea.mirror'], 'sun': ['sun']}
     """
-    if isinstance(scales, Scale | str | type):
-        what = f"the class {scales.__name__}" if isinstance(scales, type) else shown(scales)
-        raise TypeError(f"scales is {what}: give a list of scales, such as [Scale('sea'), Scale('brass')]")
+    require_list("scales", scales, "[Scale('sea'), Scale('brass')]")
     for scale in scales:
         require("scale", scale, Scale, "Scale('brass') for each spectrum")
     names = [scale.name for scale in scales]

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from tqdm.auto import tqdm
 
+from symrt.errors import require
 from symrt.feedback.along import along
 from symrt.feedback.asking import drawn
 from symrt.feedback.joint.boxes import SafeBox
@@ -21,7 +22,7 @@ from symrt.feedback.joint.crossing import Image, Line, Plane, image, line_at, sp
 from symrt.feedback.joint.freedom import safe_box
 from symrt.feedback.joint.pairs import JointRegion, given_value
 from symrt.feedback.limits import limits
-from symrt.feedback.parameters import Parameter, Scale, mixing_of, moved, moved_ends
+from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale, mixing_of, moved, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible
 from symrt.feedback.shares import pieces
@@ -154,6 +155,8 @@ def _checked(
     one: Parameter, other: Parameter, within: tuple[Range | None, Range | None], steps: int
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """The ranges of two parameters that span a plane."""
+    for parameter in (one, other):
+        require("parameter", parameter, (Scale, Blend, Exposure), "Scale('brass'), Blend('sea', 'ice') or Exposure()")
     if one == other:
         raise ValueError(f"the {one} is named twice: a region needs two parameters")
     for parameter in (one, other):
