@@ -174,7 +174,7 @@ class Kind(NamedTuple):
 
     def options(self, model: str) -> dict[str, Any]:
         """The light and the tolerance, if the model takes them."""
-        takes = {"light": ("colorimetric",), "tolerance": ("hull", "inks")}
+        takes = {"light": ("colorimetric",), "tolerance": ("hull", "inks", "colorimetric")}
         given = {name: value for name in takes if (value := getattr(self, name)) is not None}
         for name in given:
             if model not in takes[name]:

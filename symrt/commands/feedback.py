@@ -124,6 +124,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     least_inside: option.LeastInside = 1.0,
     most_difference: option.MostDifference = None,
     least_lightness: option.LeastLightness = None,
+    least_luminance: option.LeastLuminance = 0.5,
     map_rest: option.MapRest = False,
     out: option.Out = None,
     within: option.Within = None,
@@ -145,6 +146,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
         "least_inside": least_inside,
         "most_difference": most_difference,
         "least_lightness": least_lightness,
+        "least_luminance": least_luminance,
     }
     options |= {"map_rest": map_rest, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     found = rt.adapt(system, spectra, gamut, scales, **options)

@@ -94,7 +94,8 @@ ViewingLight = Annotated[
     str | None, typer.Option("--light", help="Viewing light of the model colorimetric; illuminant/D50 if not given.")
 ]
 Tolerance = Annotated[
-    float | None, typer.Option("--tolerance", help="RMS difference that passes for none in a hull or inks; 0.01.")
+    float | None,
+    typer.Option("--tolerance", help="RMS difference that passes for none in a hull or inks, 0.01; of colours, XYZ."),
 ]
 Resample = Annotated[
     bool, typer.Option("--resample", help="Bring the palette to the device's bands, where it reaches that far.")

@@ -13,7 +13,7 @@ from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.pixelwise import Mapped
 from symrt.feedback.reasons import Feasible, Fit, Reason
-from symrt.feedback.sensitivity import Sensitivity
+from symrt.feedback.sensitivity import Move
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.files import SavedGamut
@@ -128,7 +128,7 @@ def feasible_record(found: Feasible) -> dict[str, Any]:
         "within": list(found.within),
         "intervals": [list(interval) for interval in found.intervals],
         "reasons": [{"below": _reason(below), "above": _reason(above)} for below, above in found.reasons],
-        "moved by": [{"below": _moves(below), "above": _moves(above)} for below, above in found.sensitivities],
+        "moved by 1 % less": [{"below": _moves(below), "above": _moves(above)} for below, above in found.moves],
         "verdict": found.verdict,
         "object pixels": found.objects,
         "untouched outside": _places(found, found.untouched_outside),
@@ -178,7 +178,7 @@ def fit_record(found: Fit) -> dict[str, Any]:
 
 def adapted_record(found: Adapted) -> dict[str, Any]:
     """The steps of an adaptation, and what was accepted, ready for JSON."""
-    keys = ("means", "inside", "difference", "lightness", "binds", "exposure", "left_out", "seconds")
+    keys = ("means", "inside", "difference", "lightness", "luminance", "binds", "exposure", "left_out", "seconds")
     steps = [{key: getattr(step, key) for key in keys} for step in found.steps]
     lacking = [sorted(found.criteria.lacking(step)) for step in found.steps]
     return {
@@ -311,8 +311,8 @@ def _reason(reason: Reason) -> dict[str, Any]:
     return {key: getattr(reason, key) for key in keys} | {"text": str(reason)}
 
 
-def _moves(found: Sequence[Sensitivity]) -> dict[str, float]:
-    """Change of a limit for a small relative change of each other parameter, largest first."""
+def _moves(found: Sequence[Move]) -> dict[str, float]:
+    """Change of a limit with each other parameter at 0.99, against the same white."""
     return {str(one.parameter): one.change for one in found}
 
 

@@ -13,7 +13,7 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.reasons import Feasible, Fit, Reason
 from symrt.feedback.regions import split, with_region
 from symrt.feedback.report import Report, Verdict, report
-from symrt.feedback.sensitivity import Sensitivity
+from symrt.feedback.sensitivity import Move, Sensitivity
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import clip
@@ -28,6 +28,7 @@ __all__ = [
     "Interval",
     "JointRegion",
     "Mapped",
+    "Move",
     "Reason",
     "Report",
     "SafeBox",

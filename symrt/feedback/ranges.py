@@ -7,8 +7,9 @@ than allowed are in the way, else it holds for the *rest only*.  Shares are of o
 """
 
 import time
-from functools import reduce
-from typing import NamedTuple
+from collections.abc import Mapping
+from functools import partial, reduce
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -18,10 +19,10 @@ from symrt.feedback.caps import UNLIMITED, Cap, above_one, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits, limits
 from symrt.feedback.lines import Line, line_of
-from symrt.feedback.parameters import Blend, Parameter, moved, moved_ends
+from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale, moved, moved_ends
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
-from symrt.feedback.sensitivity import Sensitivity, sensitivities
+from symrt.feedback.sensitivity import LESS, Sensitivity, sensitivities
 from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
 from symrt.feedback.weighing import Weighed, weighed
 from symrt.gamut.interface import ConvexGamut
@@ -101,7 +102,6 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     The scale of sea may be 0.01 … 2.5 to keep the image inside (complete).
     Below 0.01 the range asked for ends; above 2.5 pixel (1, 0) meets the upper bound at 380 nm (where the device's
     data are extrapolated).
-    1 % less sun moves the upper limit by +1 %.
     0.0% of the object pixels are darker than the device's black.
     Against unit gamut (0 … 1), black clipped (necessary for a print of any printer; dye-sublimation-like, modelled
     from the dyes of Kodak Professional Endura Premier paper); reference sun, exposure 1.
@@ -123,6 +123,16 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
     stops = _Stops(system, palette, parameter, asked, line, capped)
+    kept = (reference or Reference()).kept(system, palette)
+    options: dict[str, Any] = {
+        "within": within,
+        "allowed_out": allowed_out,
+        "allowed_dark": allowed_dark,
+        "reference": kept,
+        "cap": cap,
+    }
+    options |= {"weights": weights, "mask": mask, "most": most}
+    again = partial(_again, system, palette, gamut, parameter, options=options)
     return Feasible(
         parameter=parameter,
         within=within,
@@ -140,7 +150,20 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         width=system.width,
         sensitivities=tuple((stops.moves(p.below, p.low), stops.moves(p.above, p.high)) for p in found),
         seconds=time.perf_counter() - start,
+        again=None if asked.solids or isinstance(gamut, UnevenGamut) else again,
     )
+
+
+def _again(
+    system: LinearSystem,
+    palette: Palette,
+    gamut: ConvexGamut | UnevenGamut,
+    parameter: Parameter,
+    other: Scale | Exposure,
+    options: Mapping[str, Any],
+) -> Feasible:
+    """The same question with another parameter a little lower, against the same white."""
+    return feasible(system, moved(system, palette, other, LESS), gamut, parameter, progress=False, **options)
 
 
 class _Stops(NamedTuple):

@@ -1,15 +1,16 @@
 """What the feedback answers, in words: which values of a parameter keep an image inside a gamut, and why no others."""
 
 import html
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Int
 
-from symrt.feedback.parameters import Blend, Parameter
-from symrt.feedback.sensitivity import Sensitivity, sentence
+from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale
+from symrt.feedback.sensitivity import SHOWN, Move, Sensitivity, sentence
 from symrt.feedback.shares import Curve
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -104,8 +105,11 @@ class Feasible:
     seconds
         Time it took.
     sensitivities
-        For each interval, how each other light, material and the exposure would move its lower and its upper limit;
-        none where no pixel stops it.
+        For each interval, how each other light, material and the exposure would move its lower and its upper limit, as
+        long as the same pixel stops it; none where no pixel does.
+    again
+        The same question with another parameter at 0.99, against the same white; None where that takes long, of hulls
+        and inks.
     """
 
     parameter: Parameter
@@ -124,6 +128,39 @@ class Feasible:
     width: int
     seconds: float
     sensitivities: tuple[tuple[tuple[Sensitivity, ...], tuple[Sensitivity, ...]], ...] = ()
+    again: "Callable[[Scale | Exposure], Feasible] | None" = None
+
+    @cached_property
+    def moves(self) -> tuple[tuple[tuple[Move, ...], tuple[Move, ...]], ...]:
+        """For each interval, what happens to its lower and its upper limit with another parameter at 0.99.
+
+        The parameters that may move a limit most are asked about, when this is first looked at; none where no pixel
+        stops the limit, or the intervals become more or fewer, or one ends with the range asked about.
+        """
+        answers: dict[Scale | Exposure, Feasible] = {}
+        return tuple(
+            (self._moves(k, 0, below, answers), self._moves(k, 1, above, answers))
+            for k, (below, above) in enumerate(self.sensitivities)
+        )
+
+    def _moves(
+        self, interval: int, side: int, found: Sequence[Sensitivity], answers: "dict[Scale | Exposure, Feasible]"
+    ) -> tuple[Move, ...]:
+        if self.again is None:
+            return ()
+        moves = []
+        for one in found[:SHOWN]:
+            if one.parameter not in answers:
+                answers[one.parameter] = self.again(one.parameter)
+            answer, before = answers[one.parameter], self.intervals[interval][side]
+            if len(answer.intervals) != len(self.intervals) or answer.reasons[interval][side].side == "range":
+                continue
+            after = answer.intervals[interval][side]
+            if isinstance(self.parameter, Blend):
+                moves.append(Move(one.parameter, after - before))
+            elif before:
+                moves.append(Move(one.parameter, after / before - 1))
+        return tuple(moves)
 
     @property
     def low(self) -> float | None:
@@ -171,7 +208,7 @@ class Feasible:
                 f"The smallest share outside is {outside:.2%}, at {t:.4g}.",
             ]
         lines = []
-        moves = self.sensitivities or [((), ())] * len(self.intervals)
+        moves = self.moves or [((), ())] * len(self.intervals)
         for (low, high), (below, above), sides in zip(self.intervals, self.reasons, moves, strict=True):
             lines.append(f"Below {low:.4g} {below}; above {high:.4g} {above}.")
             named = zip(("lower", "upper"), sides, strict=True)

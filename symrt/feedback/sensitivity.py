@@ -6,6 +6,10 @@ against the same reference white.  So that the pixel stays on the bound, t follo
     d ln t / d ln s = −(s ∂F/∂s) / (t ∂F/∂t)        (a scale, the exposure)        dt / d ln s        (a blend)
 
 Both derivatives are inner products with the gradient of F by the spectra of the palette, which is taken once.
+
+A derivative is that of one pixel: a little further on another pixel may stop the parameter.  So it only says which
+parameters to ask about; what is put into words is what happens when the range is asked for again with one of them at
+0.99, against the same white.
 """
 
 from collections import defaultdict
@@ -31,17 +35,17 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Sensitivity", "sensitivities", "sentence"]
-
 SHOWN = 3
-"""Parameters that a sentence names."""
+"""Parameters that are asked about again, those whose derivatives are largest."""
+LESS = 0.99
+"""What they are set to."""
 SEEN = 5e-7
-"""Moves smaller than this, in the last of six decimals, are not put into words."""
+"""Moves smaller than this are rounding, and are not put into words."""
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How another parameter would move a limit.
+    """How another parameter would move a limit, as long as the same pixel stops it: a derivative.
 
     Parameters
     ----------
@@ -116,21 +120,42 @@ def sensitivities(
     return tuple(sorted(found, key=lambda one: -abs(one.change)))
 
 
-def sentence(found: Collection[Sensitivity], side: str, *, absolute: bool) -> str:
-    """The largest few in words, empty if there are none.
+@dataclass(frozen=True)
+class Move:
+    """What happens to a limit when the range is asked for again with another parameter at 0.99.
+
+    Parameters
+    ----------
+    parameter
+        The scale of a light or a material, or the exposure.
+    change
+        Of the limit, relative to it; if the limit is of a blend, the difference.
+    """
+
+    parameter: Scale | Exposure
+    change: float
+
+    @property
+    def name(self) -> str:
+        """The light, the material or the exposure."""
+        return self.parameter.name if isinstance(self.parameter, Scale) else "exposure"
+
+
+def sentence(found: Collection[Move], side: str, *, absolute: bool) -> str:
+    """What moves a limit, in words, empty if nothing does.
 
     Examples
     --------
-    >>> sentence([Sensitivity(Scale("sun"), -0.8), Sensitivity(Exposure(), 0.25)], "upper", absolute=False)
-    '1 % less sun moves the upper limit by +0.8 %, 1 % less exposure by -0.25 %.'
+    >>> sentence([Move(Scale("sun"), 0.008), Move(Exposure(), -0.0025)], "upper", absolute=False)
+    'Against the same white, 1 % less sun moves the upper limit by +0.8 %, 1 % less exposure by -0.25 %.'
     """
-    least = SEEN * (100 if absolute else 1)
     parts = [
         f"1 % less {one.name}{'' if k else f' moves the {side} limit'} by "
-        + (f"{-one.change / 100:+.3g}" if absolute else f"{-one.change:+.3g} %")
-        for k, one in enumerate([one for one in found if abs(one.change) >= least][:SHOWN])
+        + (f"{one.change:+.3g}" if absolute else f"{100 * one.change:+.3g} %")
+        for k, one in enumerate(sorted(found, key=lambda one: -abs(one.change)))
+        if abs(one.change) >= SEEN
     ]
-    return f"{', '.join(parts)}." if parts else ""
+    return f"Against the same white, {', '.join(parts)}." if parts else ""
 
 
 def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> dict[str, Spectrum]:

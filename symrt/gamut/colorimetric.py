@@ -2,6 +2,8 @@
 
 It is the convex hull of the prints' XYZ, a solid in three dimensions, and so a set of half-spaces of reflectances.
 Being inside is necessary for a print of the same colour under that light; under another one the match may break [1]_.
+The hull of finitely many prints leaves out colours between them, so that its faces are moved outwards by a *tolerance*
+that is never less than the gap by which prints that are not among the samples miss it, which is measured.
 
 References
 ----------
@@ -13,18 +15,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from symrt.arrays import PerPixel, PixelBands
-from symrt.device.colorimetry import lab, tristimulus
+from symrt.device.colorimetry import colour_difference, lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
+from symrt.spectra.bands import Number
 
-__all__ = ["ColorimetricGamut", "colorimetric_gamut"]
-
+TRIED = 256
+"""Prints that the sampling gap is measured with."""
+SEED = 0
 STEP = 1e-6
 """Of XYZ, in which the direction of a face is looked at."""
 HUES = ("red", "yellow", "green", "blue")
@@ -42,9 +46,14 @@ class ColorimetricGamut(OfPrinter):
     light
         The viewing light.
     colours
-        XYZ of the prints at the corners of the solid; a perfect diffuser has Y = 1.
+        XYZ of the corners of the solid; a perfect diffuser has Y = 1.
     normals, offsets
         Its faces: inside is where ``normals · XYZ <= offsets``.
+    tolerance
+        How far outside the hull of the prints the faces stand, in XYZ.
+    gap, gap_delta_e
+        By how much prints that are not among the samples miss that hull, in XYZ and in CIEDE2000; see
+        `colorimetric_gamut`.
 
     Examples
     --------
@@ -59,18 +68,24 @@ class ColorimetricGamut(OfPrinter):
     colours: Float[np.ndarray, "corner 3"]
     normals: Float[np.ndarray, "face 3"]
     offsets: Float[np.ndarray, " face"]
+    tolerance: float
+    gap: float
+    gap_delta_e: float
 
     model = "colorimetric"
 
     @property
     def label(self) -> str:
         """What being inside proves."""
-        return f"necessary for a colour match under {self.light}"
+        return f"necessary for a colour match under {self.light}, as far as the samples are dense"
 
     @property
     def name(self) -> str:
         """The gamut in words."""
-        return f"colours of {self.device.name}'s prints under {self.light}"
+        return (
+            f"colours of {self.device.name}'s prints under {self.light}, within {self.tolerance:.4f} of XYZ "
+            f"(sampling gap {self.gap:.4f}, {self.gap_delta_e:.1f} ΔE2000)"
+        )
 
     @property
     def observer(self) -> Float[np.ndarray, "band 3"]:
@@ -114,7 +129,8 @@ class ColorimetricGamut(OfPrinter):
     def slabs(self) -> Slabs:
         """The half-spaces of reflectances that the solid's faces are."""
         count = len(self.offsets)
-        words = tuple(f"the {side} side of the {self.name}" for side in self._sides())
+        whose = f"colours of {self.device.name}'s prints under {self.light}"
+        words = tuple(f"the {side} side of the {whose}" for side in self._sides())
         no = np.zeros(count, dtype=bool)
         outer = self.offsets + WIDER
         return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)
@@ -140,7 +156,7 @@ class ColorimetricGamut(OfPrinter):
         return f"ColorimetricGamut({self.name}{modelled}; inside is {self.label}, not sufficient)"
 
 
-def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> ColorimetricGamut:
+def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance: Number = 0.0) -> ColorimetricGamut:
     """The colours that a device prints, as they look under a light.
 
     Parameters
@@ -149,6 +165,9 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> Colorim
         Printer or chart.
     light
         An illuminant of the library.
+    tolerance
+        How far outside the hull of the prints a colour may be, in XYZ; never less than the sampling gap: what 95 % of
+        prints that are not among the samples do not pass, or all that a printer's model makes for the purpose.
 
     Raises
     ------
@@ -159,8 +178,10 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> Colorim
     --------
     >>> from symrt.device.inks import load_device
     >>> colorimetric_gamut(load_device("dye3-endura-premier"), "illuminant/A").label
-    'necessary for a colour match under illuminant/A'
+    'necessary for a colour match under illuminant/A, as far as the samples are dense'
     """
+    if not 0 <= tolerance <= 1:
+        raise ValueError(f"tolerance = {tolerance}: a distance in XYZ, of white's 1, is from 0 to 1")
     xyz = device.samples @ tristimulus(device.bands, light)
     try:
         hull = ConvexHull(xyz)
@@ -169,5 +190,58 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50") -> Colorim
             f"{device.name}: the colours of its {len(xyz)} prints lie in a plane or a line, or are fewer than four: "
             "a solid needs prints of more colours"
         ) from None
+    gap, gap_delta_e = _sampling_gap(device, light, xyz, hull)
+    wide = max(float(tolerance), gap)
+    if wide:
+        # Every face moves outwards by the tolerance; the corners are where they meet then.
+        moved = hull.equations - [0.0, 0.0, 0.0, wide]
+        hull = ConvexHull(HalfspaceIntersection(moved, xyz[hull.vertices].mean(axis=0)).intersections)
     faces = np.unique(hull.equations, axis=0)
-    return ColorimetricGamut(device, light, xyz[hull.vertices], faces[:, :3], -faces[:, 3])
+    corners = hull.points[hull.vertices]
+    return ColorimetricGamut(device, light, corners, faces[:, :3], -faces[:, 3], wide, gap, gap_delta_e)
+
+
+def _sampling_gap(
+    device: Device, light: str, xyz: Float[np.ndarray, "print 3"], hull: ConvexHull
+) -> tuple[float, float]:
+    """How far colours of prints that are not among the samples are outside the hull, in XYZ and in CIEDE2000.
+
+    A printer's model prints some anew, saturated ones among them, and the farthest counts.  Without one each of some
+    prints is taken from the chart in turn, and 95 % count: the corners of a gamut are far from all other prints.
+    """
+    draw = np.random.default_rng(SEED)
+    if device.printer and device.modelled:
+        most = device.printer.most
+        amounts = draw.choice([0.0, most, np.nan], (TRIED, len(device.inks)))
+        amounts = np.where(np.isnan(amounts), draw.uniform(0, most, amounts.shape), amounts)
+        colours = device.printer.printed(amounts) @ tristimulus(device.bands, light)
+        pairs = [(colour, hull) for colour in colours]
+        share = 100.0
+    else:
+        tried = draw.permutation(len(xyz))[:TRIED]
+        # Without a print that is no corner the hull is the same.
+        corner = np.isin(tried, hull.vertices)
+        pairs = [(xyz[k], _hull_without(xyz, int(k)) if at else hull) for k, at in zip(tried, corner, strict=True)]
+        share = 95.0
+    misses = np.array([_missed(colour, left, light) for colour, left in pairs if left is not None])
+    if not len(misses):
+        return 0.0, 0.0
+    distance, difference = np.percentile(misses, share, axis=0)
+    return float(distance), float(difference)
+
+
+def _hull_without(xyz: Float[np.ndarray, "print 3"], k: int) -> ConvexHull | None:
+    """The hull of all colours but one; None where they lie in a plane then."""
+    try:
+        return ConvexHull(np.delete(xyz, k, axis=0))
+    except QhullError:
+        return None
+
+
+def _missed(colour: Float[np.ndarray, "3"], hull: ConvexHull, light: str) -> tuple[float, float]:
+    """How far a colour is beyond the worst face of a hull, and how different from the nearest colour in it."""
+    beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max())
+    if beyond <= 0:
+        return 0.0, 0.0
+    nearest, _ = nearest_mixtures(hull.points[hull.vertices], colour[None])
+    return beyond, float(colour_difference(lab(nearest, light), lab(colour[None], light))[0])

@@ -33,7 +33,7 @@ from symrt.gamut.records import GAMUTS, Arrays, Header, device_of, gamut_of, rec
 
 __all__ = ["load_gamut", "save_gamut"]
 
-KIND = Kind("gamut", 2, "save a gamut with save_gamut first", "save it again with save_gamut")
+KIND = Kind("gamut", 3, "save a gamut with save_gamut first", "save it again with save_gamut")
 SavedGamut = ConvexGamut | UnevenGamut
 LARGEST = 1 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""

@@ -30,7 +30,7 @@ def device_gamut(
     model: str,
     black: Black | str = "clip",
     *,
-    tolerance: Number = TOLERANCE,
+    tolerance: Number | None = None,
     light: str = "illuminant/D50",
 ) -> AnyGamut: ...
 def device_gamut(
@@ -38,7 +38,7 @@ def device_gamut(
     model: str = "unit",
     black: Black | str = "clip",
     *,
-    tolerance: Number = TOLERANCE,
+    tolerance: Number | None = None,
     light: str = "illuminant/D50",
 ) -> AnyGamut:
     """The gamut of a device.
@@ -54,7 +54,8 @@ def device_gamut(
     black
         What becomes of the dark, for bounds in each band.
     tolerance
-        Of a hull, or of what inks print: the root mean square difference that passes for none.
+        Of a hull, or of what inks print: the root mean square difference that passes for none, 0.01 if not given.  Of
+        a colorimetric gamut: how far outside the hull of the prints a colour may be, in XYZ.
     light
         Of a colorimetric gamut: the illuminant under which prints are seen.
 
@@ -67,7 +68,7 @@ def device_gamut(
     --------
     >>> from symrt.device.inks import load_device
     >>> device_gamut(load_device("dye3-endura-premier"), "colorimetric").label
-    'necessary for a colour match under illuminant/D50'
+    'necessary for a colour match under illuminant/D50, as far as the samples are dense'
     """
     if model not in MODELS:
         raise ValueError(f"model = {shown(model)}: there are {', '.join(map(repr, MODELS))}")
@@ -81,5 +82,6 @@ def device_gamut(
     if black != "clip":
         raise ValueError(f"black = {black!r}: model {model!r} has its own black, that of the prints; leave it out")
     if model == "colorimetric":
-        return colorimetric_gamut(device, light)
-    return hull_gamut(device, tolerance) if model == "hull" else ink_gamut(device, tolerance)
+        return colorimetric_gamut(device, light, 0.0 if tolerance is None else tolerance)
+    rms = TOLERANCE if tolerance is None else tolerance
+    return hull_gamut(device, rms) if model == "hull" else ink_gamut(device, rms)

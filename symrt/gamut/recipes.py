@@ -62,8 +62,16 @@ class InkGamut(OfPrinter):
     tolerance: float
 
     model = "inks"
-    label = "sufficient, within the fit of the printer's model"
-    """What being inside proves."""
+
+    @property
+    def label(self) -> str:
+        """What being inside proves: nothing for certain where the model's own error is larger than the tolerance."""
+        if self.tolerance < self.device.model_error:
+            return (
+                f"neither sufficient nor necessary: the printer's model misses prints held out from its fit by up to "
+                f"{self.device.model_error:.4f} RMS (95 %), more than the tolerance"
+            )
+        return "sufficient, within the fit of the printer's model"
 
     @property
     def name(self) -> str:
@@ -104,7 +112,8 @@ class InkGamut(OfPrinter):
 
     def __repr__(self) -> str:
         modelled = " (modelled)" if self.device.modelled else ""
-        return f"InkGamut({self.name}{modelled}; inside is {self.label}, not necessary)"
+        also = ", not necessary" if self.label.startswith("sufficient") else ""
+        return f"InkGamut({self.name}{modelled}; inside is {self.label}{also})"
 
 
 def ink_gamut(device: Device, tolerance: Number = TOLERANCE) -> InkGamut:

@@ -62,6 +62,7 @@ def _check_printer(printer: Any) -> None:
 def _check_device(device: Device) -> None:
     printer = device.printer
     _hold(printer is None or len(printer.inks) == len(device.inks), "the printer has other inks than the device")
+    _hold(0 <= device.model_error < np.inf, "the error of the printer's model is below 0, or not a number")
 
 
 def _check_monitor(monitor: Monitor) -> None:
@@ -81,6 +82,7 @@ def _check_slabs(gamut: Gamut) -> None:
 
 def _check_hull(gamut: HullGamut) -> None:
     _hold(0 <= gamut.gap <= gamut.tolerance < np.inf, "the tolerance is less than the sampling gap, or not a number")
+    _hold(0 <= gamut.gap_95 < np.inf, "the sampling gap of 95 % of the prints is below 0, or not a number")
 
 
 def _check_inks(gamut: InkGamut) -> None:
@@ -89,6 +91,8 @@ def _check_inks(gamut: InkGamut) -> None:
 
 
 def _check_colorimetric(gamut: ColorimetricGamut) -> None:
+    _hold(0 <= gamut.gap <= gamut.tolerance < np.inf, "the tolerance is less than the sampling gap, or not a number")
+    _hold(0 <= gamut.gap_delta_e < np.inf, "the sampling gap in ΔE2000 is below 0, or not a number")
     beyond = gamut.colours @ gamut.normals.T - gamut.offsets
     _hold(np.all(beyond <= ROUNDING), "a corner is outside a face")
     _hold(np.all(np.sum(beyond >= -ROUNDING, axis=0) >= 3), "a face has fewer than three corners")
@@ -106,7 +110,7 @@ PRINTERS = {
 }
 PRINTS = {"samples": "print band", "amounts": "print ink", "extrapolated": "band"}
 DEVICES = {
-    "printer": Form(Device, _check_device, PRINTS, texts=TEXTS),
+    "printer": Form(Device, _check_device, PRINTS, ("model_error",), texts=TEXTS),
     "monitor": Form(Monitor, _check_monitor, {"primaries": "3 3"}, texts=TEXTS),
 }
 SLABS = Form(Gamut, _check_slabs, {"lower": "band", "upper": "band", "weights": "band"}, texts=("model", "black"))
@@ -114,9 +118,11 @@ SOLID = {"colours": "corner 3", "normals": "face 3", "offsets": "face"}
 GAMUTS = {
     "unit": SLABS,
     "envelope": SLABS,
-    "hull": Form(HullGamut, _check_hull, {}, ("tolerance", "gap")),
+    "hull": Form(HullGamut, _check_hull, {}, ("tolerance", "gap", "gap_95")),
     "inks": Form(InkGamut, _check_inks, {}, ("tolerance",)),
-    "colorimetric": Form(ColorimetricGamut, _check_colorimetric, SOLID, texts=("light",)),
+    "colorimetric": Form(
+        ColorimetricGamut, _check_colorimetric, SOLID, ("tolerance", "gap", "gap_delta_e"), texts=("light",)
+    ),
     "monitor": Form(MonitorGamut, _check_drive, {"drive": "3 band"}),
 }
 OPTIONAL = {"weights"}

@@ -131,7 +131,7 @@ def test_pixels_are_moved_as_the_library_moves_them(run, tmp_path, system, spect
 
 def test_an_adaptation_is_drawn_whether_it_is_reached_or_not(run, tmp_path, system):
     rt.save_system("first.npz", system)
-    for k, criteria in enumerate(([], ["--most-difference", 0.001])):
+    for k, criteria in enumerate((["--least-luminance", 0], ["--most-difference", 0.001])):
         words = [*ASKED, "-p", "scale:red", "--exposure", 2, *criteria, "--plot", f"{k}.png", "--json"]
         record = json.loads(run("adapt", "first.npz", *words)[1])
         assert record["verdict"] == ("reached", "not reached")[k]

@@ -8,6 +8,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.text import Text
+from scipy.spatial import ConvexHull
 
 import symrt as rt
 from symrt.device.colorimetry import tristimulus
@@ -82,7 +83,9 @@ def test_the_size_of_a_solid_of_colours_is_what_random_colours_measure(model):
         inside = ((drive >= 0) & (drive <= 1)).all(axis=0)
     else:
         xyz = xyz_of(lab, tristimulus(asked.bands, asked.light).sum(axis=0))
-        inside = (xyz @ asked.normals.T <= asked.offsets).all(axis=1)
+        # What is drawn is the solid of the prints themselves, without the tolerance around it.
+        faces = ConvexHull(asked.device.samples @ asked.observer).equations
+        inside = (xyz @ faces[:, :3].T + faces[:, 3] <= 0).all(axis=1)
     # Four standard deviations, and 1 % for the pieces that a curved side is cut into.
     share = inside.mean()
     error = 4 * np.sqrt(share * (1 - share) / len(lab)) / share + 0.01

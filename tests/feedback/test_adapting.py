@@ -7,6 +7,7 @@ from scipy import sparse
 from scipy.interpolate import CubicSpline
 
 from symrt.device import load_device
+from symrt.device.colorimetry import tristimulus
 from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
 from symrt.gamut import device_gamut, intersection
@@ -53,7 +54,8 @@ def figures(image):
 
 
 ASKED = [
-    ({}, "exposure"),
+    ({}, "closest"),  # dimmed until every pixel is inside, less than half of the luminance would be left
+    ({"least_luminance": 0.0}, "exposure"),
     ({"least_inside": 0.8}, "as given"),
     ({"least_lightness": 0.9}, "brightest"),
     ({"least_inside": 0.93, "most_difference": 2.0}, "exposure"),
@@ -64,7 +66,14 @@ ASKED = [
 
 @pytest.mark.parametrize(("asked", "means"), ASKED, ids=str)
 def test_what_is_accepted_meets_the_criteria_as_another_library_sees_them(asked, means):
-    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW[:2] if means == "closest" else FEW, **OPTIONS, **asked)
+    found = adapt(
+        MIRRORED,
+        COLOURS,
+        ENVELOPE,
+        FEW[:2] if "most_difference" in asked and means == "closest" else FEW,
+        **OPTIONS,
+        **asked,
+    )
     assert found.verdict == "reached"
     inside, difference, light = figures(found.image(MIRRORED))
     assert inside >= asked.get("least_inside", 1.0)
@@ -79,7 +88,7 @@ def test_what_is_accepted_meets_the_criteria_as_another_library_sees_them(asked,
 
 
 def test_exposure_is_dimmed_no_further_than_the_image_needs():
-    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS)
+    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, least_luminance=0.0)
     assert [step.means for step in found.steps] == ["as given", "exposure"]
     assert found.exposure == feasible(MIRRORED, COLOURS, ENVELOPE, Exposure(), reference=LIT).high
     assert found.palette["fill"] == pytest.approx(found.exposure * COLOURS["fill"])
@@ -94,7 +103,8 @@ def test_an_image_that_meets_all_criteria_stays_as_it_is():
 
 
 def test_what_cannot_be_reached_is_explained_and_what_can_be_is_named():
-    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, most_difference=0.5)
+    options = {**OPTIONS, "least_luminance": 0.0}
+    found = adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **options, most_difference=0.5)
     assert (found.verdict, found.accepted) == ("not reached", None)
     assert {step.means for step in found.steps} == {"as given", "exposure", "closest", "lexicographic", "brightest"}
     assert found.criteria.lacking(found.steps[0]) == {"inside"}
@@ -108,7 +118,22 @@ def test_what_cannot_be_reached_is_explained_and_what_can_be_is_named():
     with pytest.raises(ValueError, match="ask for less"):
         _ = found.palette
     just = found.reachable["difference"]
-    assert adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **OPTIONS, most_difference=just).verdict == "reached"
+    assert adapt(MIRRORED, COLOURS, ENVELOPE, FEW, **options, most_difference=just).verdict == "reached"
+
+
+def test_near_black_is_not_accepted():
+    # Twenty times too bright, dimming keeps every criterion that was asked for, and hardly a picture.
+    bright = {**OPTIONS, "reference": Reference("key", exposure=20.0)}
+    found = adapt(MIRRORED, COLOURS, ENVELOPE, [], **bright)
+    assert found.verdict == "not reached"
+    assert found.criteria.lacking(found.steps[1]) == {"luminance"}
+    seen = [shade(MIRRORED, palette).values.reshape(-1, 36) / LIT.white(MIRRORED, COLOURS) * 20 for palette in
+            (COLOURS, found.steps[1].palette)]  # fmt: skip
+    lit = MIRRORED.object_pixels
+    y = [np.minimum((one @ tristimulus(BANDS, "illuminant/D50")[:, 1])[lit], 1).mean() for one in seen]
+    assert found.steps[1].luminance == pytest.approx(y[1] / y[0], rel=1e-9)
+    assert "luminance" in repr(found)
+    assert adapt(MIRRORED, COLOURS, ENVELOPE, [], **bright, least_luminance=0.0).verdict == "reached"
 
 
 def test_asking_for_less_is_never_reached_later():

@@ -12,9 +12,11 @@ from symrt.feedback import Exposure, Scale, feasible, fit, safe_box
 from symrt.gamut import device_gamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
+from symrt.spectra.shading import shade
 from symrt.system import Interaction, LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
+UNIT = device_gamut(DEVICE)
 COLUMNS = tuple(Interaction("sun", (f"{name}.diffuse",)) for name in ("ice", "sea"))
 COLOURS = Palette(BANDS, {"sun": 1.0, "ice.diffuse": 0.25, "sea.diffuse": 0.5})
 SCALES = [Scale("ice"), Scale("sea")]
@@ -60,3 +62,42 @@ def test_a_box_has_room_however_small_its_scales_must_be(size, black):
         assert low == pytest.approx(factor * gamut.lower.max() / size, rel=1e-5)
     assert np.isfinite(found.volume)
     assert found.verdict == "complete"
+
+
+@pytest.mark.parametrize("objective", ["closest", "lexicographic", "brightest", "lightest"])
+@pytest.mark.parametrize("within", [(1e-30, 3.0), (0.0, 3.0), (1e-250, 3.0)])
+def test_a_range_of_any_number_of_decades_is_searched_to_its_end(objective, within):
+    # Closed form: the first pixel reaches white at 2e-27, the second at 2; they share nothing.
+    columns = tuple(Interaction("sun", (f"m{k}.diffuse",)) for k in range(2))
+    image = LinearSystem(sparse.csr_array([[1e27, 0.0], [0.0, 1.0]]), columns, 1, 2, {"sun": 1.0})
+    colours = Palette(BANDS, {"sun": 1.0, "m0.diffuse": 0.5, "m1.diffuse": 0.5})
+    options = {"objective": objective, "within": within, "cap": False, "least_luminance": 0, "progress": False}
+    found = fit(image, colours, UNIT, [Scale("m0"), Scale("m1")], **options)
+    assert found.verdict == "complete"
+    assert found.values["m0"] == pytest.approx(2e-27, rel=1e-9)
+    assert found.values["m1"] == pytest.approx({"closest": 1.0, "lexicographic": 1.0}.get(objective, 2.0), rel=1e-9)
+    assert (found.reasons["m0"].x, found.reasons["m0"].y) == (0, 0)
+
+
+@pytest.mark.parametrize("kind", ["parallel", "decades"])
+@pytest.mark.parametrize("seed", [262, *range(12)])
+def test_rows_that_are_parallel_or_span_24_decades_have_a_brightest_image(kind, seed):
+    random = np.random.default_rng(seed)
+    materials, pixels = int(random.integers(2, 6)), int(random.integers(4, 40))
+    if kind == "parallel":
+        base = random.uniform(0, 1, (3, materials))
+        rows = base[random.integers(0, 3, pixels)] * (1 + 1e-10 * random.normal(size=(pixels, materials)))
+    else:
+        rows = 10.0 ** random.uniform(-24, 0, (pixels, materials)) * (random.uniform(size=(pixels, materials)) < 0.7)
+    names = [f"m{k}" for k in range(materials)]
+    columns = tuple(Interaction("sun", (f"{name}.diffuse",)) for name in names)
+    image = LinearSystem(sparse.csr_array(rows), columns, 1, pixels, {"sun": 1.0})
+    colours = Palette(BANDS, {"sun": 1.0, **{f"{n}.diffuse": 0.5 * random.uniform(0.5, 1, 36) for n in names}})
+    options = {"objective": "brightest", "cap": False, "least_luminance": 0, "progress": False}
+    found = fit(image, colours, UNIT, [Scale(name) for name in names], **options)
+    seen = shade(image, found.palette).values[0]
+    assert np.all(seen <= 1)
+    # No scale can rise on its own: it stands at the end of its range, or some pixel is as good as white.
+    for name in names:
+        touched = rows[:, names.index(name)] > 0
+        assert found.values[name] >= 3 * (1 - 1e-6) or not touched.any() or seen[touched].max() >= 1 - 1e-6

@@ -303,9 +303,9 @@ def test_parts_that_contradict_each_other_are_refused_whatever_the_digest(saved,
 @pytest.mark.parametrize(
     ("header", "reason"),
     [
-        (b'{"format": "symrt-gamut", "version": 99}', "it is of version 99, and this symrt reads 2"),
+        (b'{"format": "symrt-gamut", "version": 99}', "it is of version 99, and this symrt reads 3"),
         (b'{"format": "symrt-system", "version": 2}', "its header does not say 'symrt-gamut'"),
-        (b'{"format": "symrt-gamut", "version": 2}', "'devices' is missing"),
+        (b'{"format": "symrt-gamut", "version": 3}', "'devices' is missing"),
         (b"[1, 2]", "its header does not say"),
         (b"{not json", "not a whole symrt gamut"),
         (b"\xff\xfe", "not a whole symrt gamut"),

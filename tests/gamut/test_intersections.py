@@ -291,16 +291,16 @@ def test_what_has_nothing_in_common_is_said_to_be_empty():
     with pytest.raises(ValueError, match=r"nothing is inside all of: envelope of dark, .*; envelope of light"):
         intersection([made("unit"), *boxes])
     with pytest.raises(ValueError, match=r"nothing is inside all of: hull of dark's prints.*; hull of light's"):
-        intersection([made("unit"), HullGamut(dark, 0.04, 0.0), HullGamut(light, 0.04, 0.0)])
+        intersection([made("unit"), HullGamut(dark, 0.04, 0.0, 0.0), HullGamut(light, 0.04, 0.0, 0.0)])
     with pytest.raises(ValueError, match=r"nothing is inside all of: hull of dark's prints.*; envelope of light"):
-        intersection([HullGamut(dark, 0.04, 0.0), boxes[1], made("inks")])
+        intersection([HullGamut(dark, 0.04, 0.0, 0.0), boxes[1], made("inks")])
     # Boxes may touch: what they share is a point, and inside.
     touching = intersection([boxes[0], device_gamut(greys("next", 0.4, 0.7), "envelope", "strict")])
     np.testing.assert_array_equal(touching.nearest(np.zeros((1, 7))), np.full((1, 7), 0.4))
     # Hulls that overlap by their tolerance are not empty, by less than it they are.
-    assert intersection([HullGamut(dark, 0.0501, 0.0), HullGamut(light, 0.0501, 0.0)]).inner[1] > 0
+    assert intersection([HullGamut(dark, 0.0501, 0.0, 0.0), HullGamut(light, 0.0501, 0.0, 0.0)]).inner[1] > 0
     with pytest.raises(ValueError, match="nothing is inside"):
-        intersection([HullGamut(dark, 0.0499, 0.0), HullGamut(light, 0.0499, 0.0)])
+        intersection([HullGamut(dark, 0.0499, 0.0, 0.0), HullGamut(light, 0.0499, 0.0, 0.0)])
 
 
 def test_another_white_moves_the_parts_that_it_moves():

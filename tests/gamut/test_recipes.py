@@ -73,7 +73,7 @@ def test_a_yes_comes_with_its_proof(device):
 def test_mixtures_of_prints_need_not_be_prints(device):
     ends = reflectance(device, np.eye(len(device.inks))[:2] * device.printer.most)
     middle = ends.mean(axis=0, keepdims=True)
-    assert HullGamut(device, 0.001, 0.0).contains(middle).all()
+    assert HullGamut(device, 0.001, 0.0, 0.0).contains(middle).all()
     assert not ink_gamut(device, 0.001).contains(middle).any()
 
 
@@ -111,3 +111,18 @@ def test_a_fitted_chart_has_recipes():
     chart = replace(press, samples=press.samples[few], amounts=press.amounts[few], printer=None, modelled=False)
     gamut = ink_gamut(fit_halftone(chart).device, 1e-3)
     assert gamut.contains(press.samples[::50]).all()
+
+
+def test_a_tolerance_below_the_models_own_error_proves_nothing():
+    # A halftone printer stands for dyes, which it tells to a few percent at best: prints held out show it.
+    dyes = load_device("dye3-endura-premier", BANDS)
+    chart = replace(dyes, amounts=dyes.amounts / dyes.printer.most, printer=None, modelled=False)
+    fitted = fit_halftone(chart)
+    assert fitted.held_out == fitted.device.model_error > 0.002
+    assert fitted.held_out >= np.percentile(
+        np.sqrt(np.mean((fitted.printer.printed(chart.amounts) - chart.samples) ** 2, axis=1)), 90
+    )
+    strict, lax = (ink_gamut(fitted.device, share * fitted.held_out) for share in (0.5, 2.0))
+    assert strict.label.startswith("neither sufficient nor necessary")
+    assert f"{fitted.held_out:.4f}" in repr(strict)
+    assert lax.label.startswith("sufficient")

@@ -12,11 +12,9 @@ from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, text_table
 
-__all__ = ["Adapted", "Criteria", "Step"]
-
 ROUNDING = 1e-9
 """Of a figure, that does not decide."""
-HEAD = ("means", "inside", "ΔE2000", "lightness", "lacking", "s")
+HEAD = ("means", "inside", "ΔE2000", "lightness", "luminance", "lacking", "s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +31,8 @@ class Step:
         Mean CIEDE2000 from the image given.
     lightness
         Mean CIE L*, as a share of that of the image given.
+    luminance
+        Mean of min(Y, 1), as a share of that of the image given.
     binds
         What kept it from changing less: scales, pixels and bands.
     palette
@@ -49,6 +49,7 @@ class Step:
     inside: float
     difference: float
     lightness: float
+    luminance: float
     binds: str
     palette: Palette
     exposure: float
@@ -64,13 +65,15 @@ class Criteria:
     least_inside: float = 1.0
     most_difference: Number | None = None
     least_lightness: Number | None = None
+    least_luminance: Number = 0.5
 
     def lacking(self, step: Step) -> frozenset[str]:
-        """The criteria that a step does not meet: ``"inside"``, ``"difference"``, ``"lightness"``."""
+        """The criteria that a step does not meet: ``"inside"``, ``"difference"``, ``"lightness"`` and the like."""
         met = {
             "inside": step.inside >= self.least_inside - ROUNDING,
             "difference": self.most_difference is None or step.difference <= self.most_difference + ROUNDING,
             "lightness": self.least_lightness is None or step.lightness >= self.least_lightness - ROUNDING,
+            "luminance": step.luminance >= self.least_luminance - ROUNDING,
         }
         return frozenset(name for name, enough in met.items() if not enough)
 
@@ -85,6 +88,8 @@ class Criteria:
             parts.append(f"a mean ΔE2000 of at most {self.most_difference:g}")
         if self.least_lightness is not None:
             parts.append(f"at least {self.least_lightness:.1%} of the lightness")
+        if self.least_luminance:
+            parts.append(f"at least {self.least_luminance:.0%} of the luminance")
         return ", ".join(parts)
 
 
@@ -148,7 +153,7 @@ class Adapted:
         if self.accepted:
             return {}
         best: dict[str, float | None] = {}
-        for name in ("inside", "difference", "lightness"):
+        for name in ("inside", "difference", "lightness", "luminance"):
             own = [getattr(step, name) for step in self.steps if self.criteria.lacking(step) <= {name}]
             if any(name in self.criteria.lacking(step) for step in self.steps):
                 best[name] = (min(own) if name == "difference" else max(own)) if own else None
@@ -163,6 +168,7 @@ class Adapted:
                 percent(step.inside),
                 f"{step.difference:.2f}",
                 f"{step.lightness:.1%}",
+                f"{step.luminance:.1%}",
                 ", ".join(sorted(self.criteria.lacking(step))) or "nothing",
                 f"{step.seconds:.2f}",
             )

@@ -53,6 +53,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     least_inside: Number = 1.0,
     most_difference: Number | None = None,
     least_lightness: Number | None = None,
+    least_luminance: Number = 0.5,
     map_rest: bool = False,
     within: Range = (0.01, 3.0),
     reference: Reference | None = None,
@@ -75,6 +76,9 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
         Largest mean CIEDE2000 from the image given, both seen as prints under D50 beside a perfect diffuser.
     least_lightness
         Least mean CIE L*, as a share of that of the image given; whatever is lighter than white counts as white.
+    least_luminance
+        Share of the mean of min(Y, 1) of the image given that an acceptable answer keeps, as for `fit`: black is in
+        every gamut; 0 accepts any.
     map_rest
         Whether pixels may at last be moved one by one, as `map_pixels` does: the image is then no palette's any more.
     within, reference, cap
@@ -111,10 +115,11 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     check_kinds(system, palette, gamut)
     check_share(least_inside, "least_inside")
     check_share(least_lightness or 0.0, "least_lightness")
+    check_share(least_luminance, "least_luminance")
     if most_difference is not None and not most_difference >= 0:
         raise ValueError(f"most_difference = {most_difference}: it is a mean CIEDE2000, 0 or more; or None")
     symbols_of(system, palette, scales)
-    criteria = Criteria(float(least_inside), most_difference, least_lightness)
+    criteria = Criteria(float(least_inside), most_difference, least_lightness, least_luminance)
     checked = checked_range(scales[0] if scales else Scale("-"), within)
     # Every step is seen against the white of the image given, and its palette carries it.
     seen = as_asked(reference).kept(system, palette)
@@ -222,10 +227,8 @@ def _worth_mapping(criteria: Criteria, tried: Sequence[Step]) -> list[Step]:
 
 def _as_given(work: _Work) -> Step:
     start = time.perf_counter()
-    inside, difference, lightness = work.image.figures(work.image.palette)
-    return Step(
-        "as given", inside, difference, lightness, "", work.image.palette, 1.0, 0.0, time.perf_counter() - start
-    )
+    figures = work.image.figures(work.image.palette)
+    return Step("as given", *figures, "", work.image.palette, 1.0, 0.0, time.perf_counter() - start)
 
 
 def _dimmed(work: _Work, share: float) -> Step:
@@ -260,8 +263,7 @@ def _judged(work: _Work, means: str, palette: Palette, exposure: float, share: f
         own = f"all lights × {exposure:.4g}: {why}, for {image.gamut.name}" if exposure < 1 or why else ""
         binds = "; ".join(part for part in (binds, own) if part)
     final = moved(image.system, palette, Exposure(), exposure) if exposure != 1 else palette
-    inside, difference, lightness = image.figures(final)
-    return Step(means, inside, difference, lightness, binds, final, exposure, share, time.perf_counter() - start)
+    return Step(means, *image.figures(final), binds, final, exposure, share, time.perf_counter() - start)
 
 
 def _largest(found: Feasible) -> tuple[float, str]:
@@ -297,14 +299,13 @@ def _mapped(work: _Work, step: Step, towards: Target) -> Step:
         image.system, step.palette, image.gamut, towards=towards, reference=work.reference, progress=False
     )
     values = found.image.values.reshape(-1, len(image.white)) / image.white
-    difference, lightness = image.looks(values[image.pixels])
+    looks = image.looks(values[image.pixels])
     inside = image.inside_to_rounding(values[image.judged])
     binds = f"{found.share:.1%} of the object pixels moved, by at most {found.moved.max():.3g} RMS"
     return Step(
         f"{step.means}, then pixel by pixel to the {'nearest' if towards == 'nearest' else 'grey'}",
         inside,
-        difference,
-        lightness,
+        *looks,
         binds,
         step.palette,
         step.exposure,

@@ -48,6 +48,11 @@ class Appearance:
         """Colours of the image given."""
         return _lab(self.palette, self.seen(self.palette, self.pixels))
 
+    @cached_property
+    def luminance(self) -> float:
+        """Mean of min(Y, 1) of the image given."""
+        return _luminance(self.palette, self.seen(self.palette, self.pixels))
+
     def seen(self, palette: Palette, pixels: Pixels) -> Reflectances:
         """Reflectances of some pixels."""
         return reflectances(self.system, palette, self.white, pixels)
@@ -62,17 +67,18 @@ class Appearance:
         inside[~inside] = self.under.violation(seen[~inside]) <= ROUNDING
         return float(inside.mean()) if len(seen) else 1.0
 
-    def figures(self, palette: Palette) -> tuple[float, float, float]:
-        """Share inside, mean difference, and share of the lightness kept."""
+    def figures(self, palette: Palette) -> tuple[float, float, float, float]:
+        """Share inside, mean difference, and shares of the lightness and of the luminance kept."""
         return (self.inside(palette), *self.looks(self.seen(palette, self.pixels)))
 
-    def looks(self, seen: Reflectances) -> tuple[float, float]:
-        """Mean difference of the pixels asked, and share of their lightness kept."""
+    def looks(self, seen: Reflectances) -> tuple[float, float, float]:
+        """Mean difference of the pixels asked, and shares of their lightness and of their mean min(Y, 1) kept."""
         if not self.pixels.size:
-            return 0.0, 1.0
+            return 0.0, 1.0, 1.0
         now = _lab(self.palette, seen)
         given, kept = (np.minimum(one[:, 0], 100.0).mean() for one in (self.lab, now))
-        return float(colour_difference(self.lab, now).mean()), float(kept / given) if given else 1.0
+        luminance = _luminance(self.palette, seen) / self.luminance if self.luminance else 1.0
+        return float(colour_difference(self.lab, now).mean()), float(kept / given) if given else 1.0, luminance
 
 
 def appearance(
@@ -96,3 +102,7 @@ def appearance(
 
 def _lab(palette: Palette, seen: Reflectances) -> Float[np.ndarray, "pixel 3"]:
     return lab(seen @ tristimulus(palette.bands, LIGHT), LIGHT)
+
+
+def _luminance(palette: Palette, seen: Reflectances) -> float:
+    return float(np.minimum(seen @ tristimulus(palette.bands, LIGHT)[:, 1], 1.0).mean())

@@ -21,7 +21,7 @@ __all__ = ["LEAST", "Joint", "counted_pixels", "joint"]
 
 NEARLY = 1e-9
 """A row that is so near to its bound at the low end leaves its scales no room."""
-LEAST = 1e-24
+LEAST = 1e-300
 """Of the high end of the range, where logarithms begin if the low end is 0."""
 
 Point = Float[np.ndarray, " scale"]

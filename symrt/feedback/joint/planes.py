@@ -23,8 +23,8 @@ from symrt.feedback.joint.programmes import MARGIN, Solved, most
 __all__ = ["affine", "largest"]
 
 MOST_ROUNDS = 100
-TOLERANCE = 1e-10
-"""The least violation that HiGHS can be asked for."""
+TOLERANCES = (1e-10, 1e-9, 1e-8)
+"""Violations that HiGHS is asked for: the least that it can be, and larger ones where it does not settle with that."""
 
 Point = Float[np.ndarray, " scale"]
 
@@ -46,6 +46,16 @@ def largest(sums: Posynomials, found: Joint) -> Solved:
     --------
     See `symrt.feedback.fit` with ``objective="brightest"``.
     """
+    said: Solved | str = ""
+    for tolerance in TOLERANCES:
+        said = _largest(sums, found, tolerance)
+        if isinstance(said, Solved):
+            return said
+    raise ArithmeticError(f"HiGHS: {said}")
+
+
+def _largest(sums: Posynomials, found: Joint, tolerance: float) -> Solved | str:
+    """The same at one tolerance; what HiGHS says where it does not settle."""
     low, high = np.exp(found.low), np.exp(found.high)
     gain, _ = _matrix(sums)
     chosen = found.image.first()
@@ -53,13 +63,15 @@ def largest(sums: Posynomials, found: Joint) -> Solved:
         found.task.tick()
         parts = [_matrix(found.image.rows(*chosen)), _matrix(found.caps)]
         matrix, constant = (np.concatenate(part) for part in zip(*parts, strict=True))
-        x = _solution(gain[0], matrix, 1 - constant, low, high)
+        x = _solution(gain[0], matrix, 1 - constant, low, high, tolerance)
+        if isinstance(x, str):
+            return x
         share, slab = found.image.brightest(np.log(x))
-        over = most(share - 1, 2 * TOLERANCE)
+        over = most(share - 1, 2 * tolerance)
         if not len(over):
             return Solved(np.log(_inside(found, x, low, float(share.max(initial=0.0)))), "global", rounds, len(matrix))
         chosen = np.append(chosen[0], over), np.append(chosen[1], slab[over])
-    raise ArithmeticError(f"rows are still violated after {MOST_ROUNDS} rounds")
+    return f"rows are still violated after {MOST_ROUNDS} rounds"
 
 
 def _matrix(rows: Posynomials) -> tuple[Float[np.ndarray, "row scale"], Float[np.ndarray, " row"]]:
@@ -69,20 +81,25 @@ def _matrix(rows: Posynomials) -> tuple[Float[np.ndarray, "row scale"], Float[np
 
 
 def _solution(
-    gain: Point, matrix: Float[np.ndarray, "row scale"], room: Float[np.ndarray, " row"], low: Point, high: Point
-) -> Point:
-    """The programme of some rows, in variables and rows of size 1."""
+    gain: Point,
+    matrix: Float[np.ndarray, "row scale"],
+    room: Float[np.ndarray, " row"],
+    low: Point,
+    high: Point,
+    tolerance: float,
+) -> Point | str:
+    """The programme of some rows, in variables and rows of size 1; what HiGHS says where it finds no solution."""
     column = _power_of_two(np.concatenate([matrix, gain[None] / max(gain.max(), np.finfo(float).tiny)]).max(axis=0))
     scaled = matrix / column
     row = _power_of_two(scaled.max(axis=1, initial=0.0))
     bounds = np.column_stack([low * column, high * column])
     aim = gain / column
-    options = {"primal_feasibility_tolerance": TOLERANCE, "dual_feasibility_tolerance": TOLERANCE}
+    options = {"primal_feasibility_tolerance": tolerance, "dual_feasibility_tolerance": tolerance}
     answer = linprog(
         -aim / _power_of_two(np.array([aim.max()])), scaled / row[:, None], room / row, bounds=bounds, options=options
     )
     if answer.x is None:
-        raise ArithmeticError(f"HiGHS: {answer.message}")
+        return str(answer.message)
     return np.clip(answer.x / column, low, high)
 
 
