@@ -95,7 +95,9 @@ ViewingLight = Annotated[
 ]
 Tolerance = Annotated[
     float | None,
-    typer.Option("--tolerance", help="RMS difference that passes for none in a hull or inks, 0.01; of colours, XYZ."),
+    typer.Option(
+        "--tolerance", help="RMS difference that passes for none in a hull or inks, 0.01; of colours, a share of Y."
+    ),
 ]
 Resample = Annotated[
     bool, typer.Option("--resample", help="Bring the palette to the device's bands, where it reaches that far.")

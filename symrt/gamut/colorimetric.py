@@ -2,8 +2,9 @@
 
 It is the convex hull of the prints' XYZ, a solid in three dimensions, and so a set of half-spaces of reflectances.
 Being inside is necessary for a print of the same colour under that light; under another one the match may break [1]_.
-The hull of finitely many prints leaves out colours between them, so that its faces are moved outwards by a *tolerance*
-that is never less than the gap by which prints that are not among the samples miss it, which is measured.
+The hull of finitely many prints leaves out colours between them, so that a colour may be outside a face by a
+*tolerance*, a share of its own luminance: ``n · XYZ <= offset + tolerance Y``, which is a half-space again.  It is
+never less than the gap by which prints that are not among the samples miss the hull, which is measured.
 
 References
 ----------
@@ -50,9 +51,9 @@ class ColorimetricGamut(OfPrinter):
     normals, offsets
         Its faces: inside is where ``normals · XYZ <= offsets``.
     tolerance
-        How far outside the hull of the prints the faces stand, in XYZ.
+        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance.
     gap, gap_delta_e
-        By how much prints that are not among the samples miss that hull, in XYZ and in CIEDE2000; see
+        By how much prints that are not among the samples miss that hull: the same share, and in CIEDE2000; see
         `colorimetric_gamut`.
 
     Examples
@@ -83,8 +84,8 @@ class ColorimetricGamut(OfPrinter):
     def name(self) -> str:
         """The gamut in words."""
         return (
-            f"colours of {self.device.name}'s prints under {self.light}, within {self.tolerance:.4f} of XYZ "
-            f"(sampling gap {self.gap:.4f}, {self.gap_delta_e:.1f} ΔE2000)"
+            f"colours of {self.device.name}'s prints under {self.light}, within {self.tolerance:.2%} of Y "
+            f"(sampling gap {self.gap:.2%}, {self.gap_delta_e:.1f} ΔE2000)"
         )
 
     @property
@@ -166,8 +167,9 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     light
         An illuminant of the library.
     tolerance
-        How far outside the hull of the prints a colour may be, in XYZ; never less than the sampling gap: what 95 % of
-        prints that are not among the samples do not pass, or all that a printer's model makes for the purpose.
+        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance; never less than the
+        sampling gap: what 95 % of prints that are not among the samples do not pass, or all that a printer's model
+        makes for the purpose.
 
     Raises
     ------
@@ -181,7 +183,7 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     'necessary for a colour match under illuminant/A, as far as the samples are dense'
     """
     if not 0 <= tolerance <= 1:
-        raise ValueError(f"tolerance = {tolerance}: a distance in XYZ, of white's 1, is from 0 to 1")
+        raise ValueError(f"tolerance = {tolerance}: it is a share of a colour's luminance, from 0 to 1")
     xyz = device.samples @ tristimulus(device.bands, light)
     try:
         hull = ConvexHull(xyz)
@@ -193,9 +195,9 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     gap, gap_delta_e = _sampling_gap(device, light, xyz, hull)
     wide = max(float(tolerance), gap)
     if wide:
-        # Every face moves outwards by the tolerance; the corners are where they meet then.
-        moved = hull.equations - [0.0, 0.0, 0.0, wide]
-        hull = ConvexHull(HalfspaceIntersection(moved, xyz[hull.vertices].mean(axis=0)).intersections)
+        # Every face gives way by a share of Y; the corners are where they meet then.
+        tilted = hull.equations - [0.0, wide, 0.0, 0.0]
+        hull = ConvexHull(HalfspaceIntersection(tilted, xyz[hull.vertices].mean(axis=0)).intersections)
     faces = np.unique(hull.equations, axis=0)
     corners = hull.points[hull.vertices]
     return ColorimetricGamut(device, light, corners, faces[:, :3], -faces[:, 3], wide, gap, gap_delta_e)
@@ -204,7 +206,7 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
 def _sampling_gap(
     device: Device, light: str, xyz: Float[np.ndarray, "print 3"], hull: ConvexHull
 ) -> tuple[float, float]:
-    """How far colours of prints that are not among the samples are outside the hull, in XYZ and in CIEDE2000.
+    """How far colours of prints that are not among the samples are outside the hull, by luminance and in CIEDE2000.
 
     A printer's model prints some anew, saturated ones among them, and the farthest counts.  Without one each of some
     prints is taken from the chart in turn, and 95 % count: the corners of a gamut are far from all other prints.
@@ -239,8 +241,8 @@ def _hull_without(xyz: Float[np.ndarray, "print 3"], k: int) -> ConvexHull | Non
 
 
 def _missed(colour: Float[np.ndarray, "3"], hull: ConvexHull, light: str) -> tuple[float, float]:
-    """How far a colour is beyond the worst face of a hull, and how different from the nearest colour in it."""
-    beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max())
+    """How far a colour is beyond the worst face of a hull, by luminance, and how different from the nearest in it."""
+    beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max() / colour[1])
     if beyond <= 0:
         return 0.0, 0.0
     nearest, _ = nearest_mixtures(hull.points[hull.vertices], colour[None])

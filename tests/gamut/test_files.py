@@ -281,7 +281,7 @@ DAMAGE = [
     ("envelope-luminance", put("strict", *GAMUT, "black"), "weights belong to the luminance of black alone"),
     ("colorimetric", array("gamut0_offsets", lambda a: a - 0.01), "a corner is outside a face"),
     ("colorimetric", array("gamut0_offsets", lambda a: a[:-1]), "gamut0_offsets is"),
-    ("colorimetric", array("gamut0_colours", lambda a: a[:-1]), "a face has fewer than three corners"),
+    ("colorimetric", array("gamut0_colours", lambda a: a[:4]), "a face has fewer than three corners"),
     ("colorimetric", put("illuminant/D50", *GAMUT, "light"), "a print's colour is outside"),
     ("colorimetric", put("illuminant/X", *GAMUT, "light"), "no spectrum is named"),
     ("monitor", array("device0_primaries", np.ones_like), "the primaries span no three colours"),
