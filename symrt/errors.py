@@ -55,7 +55,9 @@ def require(name: str, value: object, kind: type | tuple[type, ...], remedy: str
     if isinstance(value, type):
         raise TypeError(f"{name} is the class {value.__name__}: give {remedy}")
     if not isinstance(value, kind):
-        raise TypeError(f"{name} is a {type(value).__name__}, {shown(value)}: give {remedy}")
+        found = type(value).__name__
+        article = "an" if found[0] in "aeiou" else "a"
+        raise TypeError(f"{name} is {article} {found}, {shown(value)}: give {remedy}")
 
 
 def require_list(name: str, values: object, example: str) -> None:

@@ -84,7 +84,7 @@ def wavelengths(first: Number, last: Number, step: Number) -> Bands:
     """
     if not (np.all(np.isfinite([first, last, step])) and step > 0 and last >= first):
         raise ValueError(f"wavelengths({first}, {last}, {step}): give first <= last and a step above 0, in nm")
-    check_wavelengths(np.array([first], dtype=float), f"wavelengths({first}, {last}, {step})")
+    check_wavelengths(np.unique(np.array([first, last], dtype=float)), f"wavelengths({first}, {last}, {step})")
     steps = (last - first) / step
     if steps > 100_000 or abs(steps - round(steps)) > 1e-9 * max(1.0, steps):
         raise ValueError(f"wavelengths({first}, {last}, {step}): {last} is not a whole number of steps from {first}")

@@ -227,6 +227,6 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
     ]
     kinds += ["scales is None: give", "parameter is a str", "palette is a LinearSystem", "reference is a str"]
     kinds += ["reference is a ndarray", "reference is the class", "white is a Scale", "image is a Palette"]
-    kinds += ["exposure is a str", "palettes is a Palette", "bands is a str", "colour is a int"]
+    kinds += ["exposure is a str", "palettes is a Palette", "bands is a str", "colour is an int"]
     assert [" ".join(line.split()[:4]).rstrip(",") for line in said] == kinds
     assert "give device_gamut(load_device(name), model)" in said[1]

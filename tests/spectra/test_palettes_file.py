@@ -183,6 +183,7 @@ def test_all_faults_of_all_palettes_come_at_once(tmp_path):
         ("380,0.5\n730,nan", "is nan at"),
         ("nan,0.5\n730,0.5", "wavelength nan"),
         ("0.38,0.5\n0.73,0.5", "look like micrometres"),
+        ("3.8e-7,0.5\n7.3e-7,0.5", "look like metres: multiply by 1e9"),
         ("730,0.5\n380,0.5", "730 nm comes before 380 nm"),
         ("380,0.5\n380,0.6\n730,0.5", "380 nm appears twice"),
         ("400,0.5\n700,0.6", "nothing is extrapolated"),
