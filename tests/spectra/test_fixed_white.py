@@ -104,7 +104,8 @@ def test_what_was_adapted_keeps_its_white_through_a_file(tmp_path):
 
 
 def test_a_scaled_light_is_dimmed_no_further_than_the_white_given_asks_for():
-    printed = rt.device_gamut(rt.load_device("dye3-endura-premier"), "colorimetric")
+    devices = map(rt.load_device, ("dye3-endura-premier", "synthetic-cmyk"))
+    printed = rt.intersection([rt.device_gamut(device, "colorimetric") for device in devices])
     seen = rt.Reference("key", exposure=3.0)
     found = rt.adapt(IMAGE, COLOURS, printed, [KEY], cap=False, reference=seen, most_difference=0.0, progress=False)
     white = seen.white(IMAGE, COLOURS) / 3.0
