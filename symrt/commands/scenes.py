@@ -71,10 +71,12 @@ def render(
     typer.echo(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
 
 
-def formula(
+def formula(  # noqa: PLR0913, PLR0917  # a command names its options
     source: option.Source,
-    x: Annotated[int, typer.Option("--x", help="Column from the left, from 0.")],
-    y: Annotated[int, typer.Option("--y", help="Row from the top, from 0.")],
+    column: Annotated[int | None, typer.Argument(metavar="X", help="Column from the left, from 0.")] = None,
+    row: Annotated[int | None, typer.Argument(metavar="Y", help="Row from the top, from 0.")] = None,
+    x: Annotated[int | None, typer.Option("--x", help="The same as X.")] = None,
+    y: Annotated[int | None, typer.Option("--y", help="The same as Y.")] = None,
     collapsed: Annotated[bool, typer.Option("--collapsed", help="After the collapse, also from a scene.")] = False,
     latex: Annotated[bool, typer.Option("--latex", help="As LaTeX.")] = False,
     python: Annotated[bool, typer.Option("--python", help="As a Python function, every digit kept.")] = False,
@@ -85,14 +87,24 @@ def formula(
 
     Of a scene with the geometry in letters, of a rendered system the linear form.
 
-    Example: symrt formula globe --x 210 --y 140
+    Example: symrt formula globe 210 140
     """
+    x, y = _place(column, x, "X"), _place(row, y, "Y")
     found = formula_of(source, size, x, y, collapsed)
     if as_json:
         record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
-        typer.echo(json_text(record | {"symbols": list(found.symbols), "values": dict(found.values)}))
+        typer.echo(json_text(record | {"symbols": list(found.symbols), "values": found.letters}))
     else:
         typer.echo(found.latex() if latex else found.code() if python else str(found))
+
+
+def _place(given: int | None, named: int | None, name: str) -> int:
+    """A pixel's column or row, given by its place on the command line or by its name."""
+    found = named if given is None else given
+    if found is None or (given is not None and named is not None):
+        how = "nowhere" if found is None else "twice"
+        raise ValueError(f"the pixel's {name} is given {how}: write for example symrt formula globe 210 140")
+    return found
 
 
 def shade(

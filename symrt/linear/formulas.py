@@ -1,23 +1,23 @@
 """A pixel as a formula: with the geometry still in letters, or collapsed to its linear form (steps 1 and 2)."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import singledispatch
+from typing import Any
 
 import numpy as np
 import sympy
 from jaxtyping import Float
 
-from symrt.linear.functions import function_of
-from symrt.linear.printing import python_code, tex, text
-from symrt.linear.terms import tree_expression
-from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance, lobe_value
+from symrt.errors import shown
+from symrt.linear.printing import evaluated, python_code, tex, text
+from symrt.linear.terms import number, tree_expression
+from symrt.reflection.symbols import ONE_MINUS, Factor, Light, Parameter, Reflectance
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
-
-__all__ = ["Expressions", "Formula", "expressions", "formula"]
 
 Spectra = Mapping[str, float | Float[np.ndarray, " band"]]
 
@@ -50,15 +50,20 @@ class Formula:
         return tuple(symbol.name for symbol in sorted(free, key=lambda s: (s.class_key(), s.name)))
 
     def text(self, digits: int = 4, terms: int | None = None) -> str:
-        """Plain text, with floats to some digits; only the first `terms` terms if a number is given."""
-        return text(self.expression, digits, terms)
+        """Plain text, largest terms first, with floats to some digits; only so many `terms` if a number is given.
+
+        Terms below 1e-9 of the pixel are counted, not shown.
+        """
+        return text(self.expression, digits, terms, self.values)
 
     def latex(self, digits: int = 4, terms: int | None = None) -> str:
-        """LaTeX source, with floats to some digits; only the first `terms` terms if a number is given."""
-        return tex(self.expression, digits, terms)
+        """LaTeX source, as `text`."""
+        return tex(self.expression, digits, terms, self.values)
 
     def code(self, name: str = "pixel") -> str:
         """A Python function of the free spectra, exact to the last bit of every number in it.
+
+        It takes numbers, one band at a time; up to 200 terms also arrays.
 
         Examples
         --------
@@ -73,18 +78,27 @@ class Formula:
 
     def evaluate(self, spectra: Spectra) -> Float[np.ndarray, " band"] | float:
         """The pixel's value for given spectra, by name; bands broadcast."""
-        leaves = {Factor(name): value for name, value in self.values.items()}
-        leaves |= {
-            s: spectra[s.name] for s in self.expression.atoms(Light, Reflectance, Parameter) if s.name in spectra
-        }
-        missing = sorted(s.name for s in self.expression.free_symbols - set(leaves))
+        leaves: dict[sympy.Symbol, Any] = {Factor(name): value for name, value in self.values.items()}
+        free = self.expression.free_symbols
+        leaves |= {s: spectra[s.name] for s in free if not isinstance(s, Factor) and s.name in spectra}
+        missing = sorted(s.name for s in free - set(leaves))
         if missing:
             raise ValueError(f"no value for {', '.join(missing)}; the formula's spectra are {', '.join(self.symbols)}")
-        (value,) = function_of(leaves, [self.expression], lobe_value)(*leaves.values())
-        return value
+        terms = evaluated(sympy.Add.make_args(self.expression), leaves)
+        if all(np.ndim(term) == 0 for term in terms):
+            return math.fsum(terms)
+        return np.sum(np.broadcast_arrays(*terms), axis=0)
+
+    @property
+    def letters(self) -> dict[str, float]:
+        """The letters of the geometry as they are printed, and their values."""
+        return {
+            name.removeprefix(ONE_MINUS): 1 - value if name.startswith(ONE_MINUS) else value
+            for name, value in self.values.items()
+        }
 
     def __str__(self) -> str:
-        letters = ", ".join(f"{_shown(name, value)}" for name, value in self.values.items())
+        letters = ", ".join(f"{name} = {value:.4g}" for name, value in self.letters.items())
         return self.text() + (f"\n  where {letters}" if letters else "")
 
     def _repr_latex_(self) -> str:
@@ -92,7 +106,7 @@ class Formula:
 
 
 @singledispatch
-def formula(source: object, x: int, y: int) -> Formula:  # noqa: ARG001 -- the registered ones use them
+def formula(source: object, x: Any, y: Any) -> Formula:  # noqa: ARG001 -- the registered ones use them
     """The formula of pixel (x, y), x from the left and y from the top, both from 0; in a window, from its corner.
 
     Parameters
@@ -107,31 +121,31 @@ def formula(source: object, x: int, y: int) -> Formula:  # noqa: ARG001 -- the r
     >>> formula(load_scene(shipped_scene("first")), x=0, y=0).text()
     '0'
     """
-    raise ValueError(f"formula of a {type(source).__name__}: give a RayTree, a LinearSystem or a Scene")
+    raise TypeError(f"formula of a {type(source).__name__}, {shown(source)}: give a Scene, a RayTree or a LinearSystem")
 
 
 @formula.register
-def _(source: RayTree, x: int, y: int) -> Formula:
-    return Formula(*tree_expression(source, _pixel(x, y, source.width, source.height)))
+def _(source: RayTree, x: Any, y: Any) -> Formula:
+    expression, values = tree_expression(source, _pixel(x, y, source.width, source.height))
+    held = {symbol.name for symbol in expression.free_symbols if isinstance(symbol, Factor)}
+    return Formula(expression, {name: value for name, value in values.items() if name in held})
 
 
 @formula.register
-def _(source: Scene, x: int, y: int) -> Formula:
+def _(source: Scene, x: Any, y: Any) -> Formula:
     _pixel(x, y, source.camera.width, source.camera.height)
     return formula(trace(source, window=(x, y, x + 1, y + 1)), 0, 0)
 
 
 @formula.register
-def _(source: LinearSystem, x: int, y: int) -> Formula:
+def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     pixel = _pixel(x, y, source.width, source.height)
     entries = slice(source.G.indptr[pixel], source.G.indptr[pixel + 1])
     terms = []
     for column, g in zip(source.G.indices[entries], source.G.data[entries], strict=True):
         interaction = source.interactions[column]
         nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
-        terms.append(
-            sympy.Mul(sympy.Float(float(g)), Light(interaction.light), *map(Reflectance, interaction.met), *nodes)
-        )
+        terms.append(sympy.Mul(number(g), Light(interaction.light), *map(Reflectance, interaction.met), *nodes))
     return Formula(sympy.Add(*terms))
 
 
@@ -164,13 +178,10 @@ def expressions(tree: RayTree) -> Expressions:
     return Expressions(tree)
 
 
-def _pixel(x: int, y: int, width: int, height: int) -> int:
+def _pixel(x: Any, y: Any, width: int, height: int) -> int:
+    for name, value, what in (("x", x, "column"), ("y", y, "row")):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer):
+            raise ValueError(f"{name} = {shown(value)}: a pixel's {what} is a whole number, counted from 0")  # noqa: TRY004
     if not (0 <= x < width and 0 <= y < height):
         raise ValueError(f"pixel ({x}, {y}) is outside the image of {width} × {height}; x and y count from 0")
-    return y * width + x
-
-
-def _shown(name: str, value: float) -> str:
-    if name.startswith("one_minus_"):
-        return f"{name.removeprefix('one_minus_')} = {1 - value:.4g}"
-    return f"{name} = {value:.4g}"
+    return int(y) * width + int(x)

@@ -12,25 +12,55 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-from symrt.reflection.symbols import Factor, Kind
+from symrt.linear.functions import function_of
+from symrt.reflection.symbols import ONE_MINUS, Factor, Kind, Lobe, lobe_value
+
+NEGLIGIBLE = 1e-9
+"""Terms that are less than this share of the pixel are counted and not shown."""
+MANY = 200
+"""Terms from which Python code sums them at once: a chain of additions is nested as deep as it is long."""
+
+LOBE = '''
+
+def lobe(cosine, exponent):
+    """A cosine to a power, to the last digit: near its peak a float has no digits left, so that it is a Decimal."""
+    return float((Decimal(exponent) * cosine.ln()).exp()) if exponent else 1.0
+'''
+
+Values = Mapping[str, float]
 
 
-class _Text(StrPrinter):
-    def __init__(self, digits: int) -> None:
-        super().__init__()
-        self.digits = digits
+class _Sized:
+    """What text and LaTeX have in common: digits that are dropped, and terms that come largest first."""
+
+    def __init__(self, digits: int, values: Values, settings: Mapping[str, Any] | None = None) -> None:
+        super().__init__(settings)  # type: ignore[call-arg]  # of the printer beside it
+        self.digits, self.values = digits, values
+
+    def _as_ordered_terms(self, expr: sympy.Expr, order: object = None) -> list[sympy.Expr]:  # noqa: ARG002
+        return _largest_first(sympy.Add.make_args(expr), self.values)[0]
+
+    def number(self, value: sympy.Float) -> str:
+        """A float with digits dropped."""
+        return f"{float(value):.{self.digits}g}"
+
+    def without_ones(self, term: sympy.Expr) -> sympy.Expr:
+        """The term without factors that would be printed as 1."""
+        ones = {"1": sympy.Integer(1), "-1": sympy.Integer(-1)}
+        return term.xreplace({f: ones[self.number(f)] for f in term.atoms(sympy.Float) if self.number(f) in ones})
+
+
+class _Text(_Sized, StrPrinter):
+    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
+        return self.number(expr)
+
+
+class _Tex(_Sized, LatexPrinter):
+    def __init__(self, digits: int, values: Values) -> None:
+        super().__init__(digits, values, {"mul_symbol": r"\,"})
 
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
-        return f"{float(expr):.{self.digits}g}"
-
-
-class _Tex(LatexPrinter):
-    def __init__(self, digits: int) -> None:
-        super().__init__({"mul_symbol": r"\,"})
-        self.digits = digits
-
-    def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
-        mantissa, _, exponent = f"{float(expr):.{self.digits}g}".partition("e")
+        mantissa, _, exponent = self.number(expr).partition("e")
         return mantissa + (rf" \cdot 10^{{{int(exponent)}}}" if exponent else "")
 
 
@@ -44,8 +74,7 @@ class _Python(PythonCodePrinter):
 
     def _print_Lobe(self, expr: sympy.Expr) -> str:  # noqa: N802 -- SymPy's name for it
         one_minus, exponent = (self.doprint(part) for part in expr.args)
-        # Where the cosine is 0 its logarithm is not a number; 0.0**0 is 1, as it must be.
-        return f"(math.exp({exponent}*math.log1p(-{one_minus})) if {one_minus} < 1 else 0.0**({exponent}))"
+        return f"lobe({one_minus}, {exponent})"
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]
@@ -54,7 +83,7 @@ class _Python(PythonCodePrinter):
     _print_Light = _print_Reflectance = _print_Factor = _print_Parameter = _print_Symbol  # noqa: N815 -- as above
 
 
-def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> str:
+def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: Values | None = None) -> str:
     """Plain text.
 
     Examples
@@ -63,11 +92,12 @@ def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> s
     >>> text(0.238512 * Light("sun") * Reflectance("sea.diffuse"))
     '0.2385*sun*sea.diffuse'
     """
-    shown, left_out = _terms(_Text(digits), expression, terms)
-    return shown + (f" + … ({left_out} more terms)" if left_out else "")
+    printer = _Text(digits, values or {})
+    shown, left_out = _shown(expression, terms, printer.values)
+    return _sum(printer, shown) + (f" + … ({left_out})" if left_out else "")
 
 
-def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> str:
+def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: Values | None = None) -> str:
     r"""LaTeX source.
 
     Examples
@@ -76,8 +106,9 @@ def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None) -> st
     >>> print(tex(0.25 * Light("sun") * Reflectance("sea.diffuse")))
     0.25\,\mathrm{sun}\,\mathrm{sea}_{\mathrm{diffuse}}
     """
-    shown, left_out = _terms(_Tex(digits), expression, terms)
-    return shown + (rf" + \dots\ (\text{{{left_out} more terms}})" if left_out else "")
+    printer = _Tex(digits, values or {})
+    shown, left_out = _shown(expression, terms, printer.values)
+    return _sum(printer, shown) + (rf" + \dots\ (\text{{{left_out}}})" if left_out else "")
 
 
 def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[str, float], name: str) -> str:
@@ -97,24 +128,101 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
     """
     if not name.isidentifier() or keyword.iskeyword(name):
         raise ValueError(f"{name!r} cannot be a function's name; give a Python identifier, such as 'pixel'")
-    names = _identifiers(expression, taken={name, "math"})
+    names = _identifiers(expression, taken={name, "math", "Decimal", "lobe"})
     printer = _Python(names)
-    letters = [f"{names[Factor(letter)]} = {float(v)!r}" for letter, v in values.items() if Factor(letter) in names]
+    letters = [
+        f"{names[Factor(letter)]} = {_python_value(letter, float(value))}"
+        for letter, value in values.items()
+        if Factor(letter) in names
+    ]
     arguments = ", ".join(names[s] for s in _in_order(expression, spectra))
-    head = "\n".join(["import math", *([""] if letters else []), *letters])
-    return f"{head}\n\n\ndef {name}({arguments}):\n    return {_terms(printer, expression)[0]}"
+    terms = [printer.doprint(term) for term in _largest_first(sympy.Add.make_args(expression), values)[0]]
+    total = _joined(terms)
+    if len(terms) > MANY:
+        total = "math.fsum((\n        " + ",\n        ".join(terms) + ",\n    ))"
+    lobes = bool(expression.atoms(Lobe))
+    head = ["import math", *(["from decimal import Decimal"] if lobes else []), *([""] if letters else []), *letters]
+    return "\n".join(head) + (f"\n{LOBE}" if lobes else "\n") + f"\n\ndef {name}({arguments}):\n    return {total}"
 
 
-def _terms(printer: Any, expression: sympy.Expr, most: int | None = None) -> tuple[str, int]:
-    """The first terms of a sum, ordered by their symbols' names, and how many were left out.
+def _python_value(letter: str, value: float) -> str:
+    """A letter's value; of a cosine that is raised to a power, every digit of its distance from 1."""
+    return f"1 - Decimal({value!r})" if letter.startswith(ONE_MINUS) else repr(value)
+
+
+def _sum(printer: Any, terms: Sequence[sympy.Expr]) -> str:
+    return _joined([printer.doprint(printer.without_ones(term)) for term in terms])
+
+
+def _joined(terms: Sequence[str]) -> str:
+    return " + ".join(terms).replace(" + -", " - ")
+
+
+def _shown(expression: sympy.Expr, most: int | None, values: Values) -> tuple[list[sympy.Expr], str]:
+    """The terms of a sum that are shown, largest first, and what is said of the others."""
+    if most is not None and most < 1:
+        raise ValueError(f"terms = {most}: at least one term is shown")
+    ordered, sizes = _largest_first(sympy.Add.make_args(expression), values)
+    least = NEGLIGIBLE * sum(sizes)
+    some = sum(size >= least for size in sizes)
+    shown = ordered[: min(some, most or some)]
+    left_out = len(ordered) - len(shown)
+    if not left_out:
+        return shown, ""
+    terms = f"{left_out} {'more ' if len(shown) < some else ''}term{'s' if left_out > 1 else ''}"
+    return shown, terms if len(shown) < some else f"{terms} below {NEGLIGIBLE:g} of the pixel"
+
+
+def _largest_first(terms: Sequence[sympy.Expr], values: Values) -> tuple[list[sympy.Expr], list[float]]:
+    """Terms by their size where every spectrum is 1, of equal ones by their symbols' names, and the sizes.
 
     SymPy's own order of terms takes seconds for thousands of symbols.
     """
-    if most is not None and most < 1:
-        raise ValueError(f"terms = {most}: at least one term is shown")
-    ordered = sorted(sympy.Add.make_args(expression), key=_order)
-    shown = " + ".join(printer.doprint(term) for term in ordered[:most])
-    return shown.replace(" + -", " - "), len(ordered) - len(ordered[:most])
+    if len(terms) == 1:
+        return list(terms), [1.0]
+    sizes = [abs(size) for size in sizes_of(terms, values)]
+    order = sorted(range(len(terms)), key=lambda k: (-sizes[k], _order(terms[k])))
+    return [terms[k] for k in order], [sizes[k] for k in order]
+
+
+def sizes_of(terms: Sequence[sympy.Expr], values: Values) -> list[float]:
+    """What terms are where every spectrum is 1 and letters have their values; 1 for a letter that has none.
+
+    Examples
+    --------
+    >>> from symrt.reflection.symbols import Light, n_dot_l
+    >>> sizes_of([3 * Light("sun"), Light("sky") * n_dot_l], {"n_dot_l": 0.5})
+    [3.0, 0.5]
+    """
+    leaves = {s: float(values.get(s.name, 1.0)) for term in terms for s in term.free_symbols}
+    return evaluated(terms, leaves)
+
+
+def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -> list[Any]:
+    """The value of each term: products of powers are multiplied out here, only others are compiled.
+
+    Examples
+    --------
+    >>> from symrt.reflection.symbols import Light
+    >>> evaluated([3 * Light("sun") ** 2], {Light("sun"): 2.0})
+    [12.0]
+    """
+    found: list[Any] = [None] * len(terms)
+    others = []
+    for k, term in enumerate(terms):
+        powers = term.as_powers_dict()
+        if all((base in leaves or base.is_number) and power.is_Integer for base, power in powers.items()):
+            product: Any = 1.0
+            for base, power in powers.items():
+                product = product * (leaves[base] if base in leaves else float(base)) ** int(power)
+            found[k] = product
+        else:
+            others.append(k)
+    if others:
+        compiled = function_of(leaves, [terms[k] for k in others], lobe_value)(*leaves.values())
+        for k, value in zip(others, compiled, strict=True):
+            found[k] = value
+    return found
 
 
 def _order(term: sympy.Expr) -> list[tuple[Any, str, str]]:
@@ -132,7 +240,8 @@ def _identifiers(expression: sympy.Expr, taken: set[str]) -> dict[Kind, str]:
     """A Python identifier for each symbol; no two symbols share one."""
     names: dict[Kind, str] = {}
     for symbol in sorted(expression.free_symbols, key=lambda s: (s.class_key(), s.name)):
-        name = "".join(c if c.isalnum() and c.isascii() else "_" for c in symbol.name)
+        shown = symbol.name.removeprefix(ONE_MINUS) if isinstance(symbol, Factor) else symbol.name
+        name = "".join(c if c.isalnum() and c.isascii() else "_" for c in shown)
         while name in taken or keyword.iskeyword(name) or not name.isidentifier():
             name += "_" if name else "x"
         taken.add(name)

@@ -28,6 +28,9 @@ GEOMETRY = {
 }
 """The geometric factors: cosines between normal n, light l, viewer v, half vector h and mirrored light r, all unit."""
 
+ONE_MINUS = "one_minus_"
+"""Before the name of a cosine: 1 − cosine, which keeps the digits that a cosine near 1 has lost."""
+
 VIEW = frozenset({"n_dot_v", "one_minus_n_dot_v"})
 """Factors that need no light: the only ones that `ambient` and `reflected` may use."""
 
@@ -94,7 +97,7 @@ class Lobe(sympy.Function):
     @property
     def cosine(self) -> Factor:
         """The factor that is raised to a power, for printing."""
-        return Factor(self.args[0].name.removeprefix("one_minus_"))
+        return Factor(self.args[0].name.removeprefix(ONE_MINUS))
 
     def _sympystr(self, printer: Any) -> str:
         return f"{printer.parenthesize(self.cosine, 60)}**{printer.parenthesize(self.args[1], 60)}"
@@ -144,7 +147,7 @@ def lobe(cosine: sympy.Expr, exponent: object) -> sympy.Expr:
     bound = isinstance(exponent, sympy.Expr) and not exponent.atoms(Factor, Reflectance)
     if not (bound or isinstance(exponent, float | int)):
         raise ValueError(f"lobe(…, {exponent!r}): the exponent is a number, or an expression in parameters alone")
-    return Lobe(Factor(f"one_minus_{cosine.name}"), exponent)
+    return Lobe(Factor(ONE_MINUS + cosine.name), exponent)
 
 
 def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float | int) -> Float[np.ndarray, " point"]:

@@ -67,3 +67,14 @@ def test_radiances_are_written_as_they_are(run, tmp_path, system):
     assert run("shade", "first", *SMALL, "--palette", "plain", "--out", "first.npz")[0] == 0
     with np.load(tmp_path / "first.npz") as saved:
         assert np.array_equal(saved["values"], rt.shade(system, palette).values)
+
+
+def test_a_pixel_is_named_by_place_or_by_words(run):
+    words = run("formula", "first", "--size", "24", "--x", "12", "--y", "10")
+    assert words == run("formula", "first", "12", "10", "--size", "24")
+    assert words == run("formula", "first", "12", "--y", "10", "--size", "24")
+    assert words[0] == 0
+    for wrong, says in ((["12"], "Y is given nowhere"), (["12", "10", "--x", "3"], "X is given twice")):
+        code, _, said = run("formula", "first", "--size", "24", *wrong)
+        assert code == 2
+        assert f"the pixel's {says}: write for example symrt formula globe 210 140" in said

@@ -125,7 +125,9 @@ def test_a_lobe_prints_as_a_power_and_computes_from_one_minus_its_cosine():
     shiny = Formula(Light("sun") * lobe(r_dot_v, 60) * n_dot_l, {"one_minus_r_dot_v": 0.25, "n_dot_l": 0.5})
     assert shiny.text() == "sun*n_dot_l*r_dot_v**60"
     assert "r_dot_v = 0.75" in str(shiny)
-    assert "math.exp(60*math.log1p(-one_minus_r_dot_v))" in shiny.code()
+    assert "lobe(r_dot_v, 60)" in shiny.code()
+    assert "one_minus" not in shiny.code() + str(shiny)
+    assert shiny.letters == {"r_dot_v": 0.75, "n_dot_l": 0.5}
     assert shiny.evaluate({"sun": 2.0}) == pytest.approx(0.75**60, rel=1e-14)
 
 
@@ -210,3 +212,89 @@ def test_fsum_of_the_linear_form_is_the_pixel():
         gamma = [1.3 * 0.7 ** system.interactions[j].degree for j in system.G.indices[row]]
         found = math.fsum(g * c for g, c in zip(system.G.data[row], gamma, strict=True))
         assert image.reshape(-1, 3)[pixel, 0] == pytest.approx(found, rel=1e-14)
+
+
+def sun_on(*terms: tuple[float, str]) -> Formula:
+    return Formula(sympy.Add(*(sympy.Float(g) * Light("sun") * Reflectance(f"{name}.diffuse") for g, name in terms)))
+
+
+def test_terms_come_largest_first_and_equal_ones_by_name():
+    pixel = sun_on((0.25, "b"), (0.5, "c"), (-0.75, "d"), (0.25, "a"))
+    assert pixel.text() == "-0.75*sun*d.diffuse + 0.5*sun*c.diffuse + 0.25*sun*a.diffuse + 0.25*sun*b.diffuse"
+    assert pixel.text(terms=1) == "-0.75*sun*d.diffuse + … (3 more terms)"
+    nested = Formula(
+        Light("sun")
+        * (Reflectance("a.diffuse") * Factor("n_dot_l_1") + Reflectance("b.diffuse") * Factor("n_dot_l_2")),
+        {"n_dot_l_1": 0.1, "n_dot_l_2": 0.9},
+    )
+    assert nested.text() == "sun*(b.diffuse*n_dot_l_2 + a.diffuse*n_dot_l_1)"
+    assert nested.latex().index("b") < nested.latex().index("a}_")
+
+
+def test_terms_that_do_not_show_in_the_pixel_are_counted_but_stay_in_code_and_value():
+    pixel = sun_on((0.5, "a"), (3e-321, "b"), (1e-12, "c"))
+    assert pixel.text() == "0.5*sun*a.diffuse + … (2 terms below 1e-09 of the pixel)"
+    assert "2 terms below" in pixel.latex()
+    assert "3e-321" in pixel.code()
+    assert pixel.evaluate({"sun": 1.0, "a.diffuse": 0.0, "b.diffuse": 0.0, "c.diffuse": 1.0}) == 1e-12
+    assert sun_on((0.5, "a"), (1e-300, "b")).text(terms=1).endswith("(1 term below 1e-09 of the pixel)")
+
+
+def test_a_factor_of_1_is_not_printed():
+    assert sun_on((1.0, "a")).text() == "sun*a.diffuse"
+    assert sun_on((0.999999, "a"), (-1.0, "b")).text() == "-sun*b.diffuse + sun*a.diffuse"
+    assert "1" not in sun_on((1.0, "a"), (0.99999, "b")).latex()
+    tree = rt.trace(mirrors(model="lambert"))
+    assert "1*" not in rt.formula(rt.collapse(tree), 12, 18).text()
+
+
+def test_a_pure_mirror_has_no_letters_that_its_formula_does_not_hold():
+    scene = mirrors(model="mirror")
+    tree = rt.trace(scene)
+    for pixel in some_pixels(rt.collapse(tree), 60):
+        y, x = divmod(int(pixel), tree.width)
+        pixel_formula = rt.formula(tree, x, y)
+        held = {symbol.name for symbol in pixel_formula.expression.free_symbols if isinstance(symbol, Factor)}
+        assert set(pixel_formula.values) == held
+        # What text and Python call a letter is the same.
+        for letter in pixel_formula.letters:
+            assert f"{letter} = " in pixel_formula.code()
+            assert letter in str(pixel_formula)
+
+
+@pytest.mark.parametrize("exponent", [40, 1e5, 1e7])
+@pytest.mark.parametrize("one_minus", [3e-17, 1.234567e-9, 2e-4])
+def test_code_of_a_lobe_is_right_to_the_last_digit(one_minus, exponent):
+    namespace: dict = {}
+    exec(Formula(Light("sun") * lobe(r_dot_v, exponent), {"one_minus_r_dot_v": one_minus}).code(), namespace)
+    with mpmath.workdps(DIGITS):
+        true = (1 - mpmath.mpf(one_minus)) ** mpmath.mpf(exponent)
+        assert abs(mpmath.mpf(namespace["pixel"](1.0)) - true) <= 0.51 * np.spacing(float(true))
+
+
+def test_a_formula_of_5000_terms_compiles_and_is_evaluated():
+    random = np.random.default_rng(3)
+    g = random.uniform(0.1, 1, 5000)
+    pixel = sun_on(*((value, f"m{k}") for k, value in enumerate(g)))
+    namespace: dict = {}
+    exec(pixel.code(), namespace)
+    assert "math.fsum((" in pixel.code()
+    spectra = dict.fromkeys(pixel.symbols, 0.5)
+    true = math.fsum(0.25 * g)
+    assert namespace["pixel"](*[0.5] * 5001) == pytest.approx(true, rel=1e-15)
+    assert pixel.evaluate(spectra) == pytest.approx(true, rel=1e-15)
+    bands = pixel.evaluate(spectra | {"sun": np.array([0.5, 1.0])})
+    np.testing.assert_allclose(bands, [true, 2 * true], rtol=1e-13)
+
+
+@pytest.mark.parametrize(("x", "y", "named"), [(10.5, 10, "x = 10.5"), (10, "3", "y = '3'"), (True, 1, "x = True")])
+def test_a_pixel_that_is_no_whole_number_is_refused(x, y, named):
+    tree = rt.trace(small("first", 24))
+    for source in (tree, rt.collapse(tree), small("first", 24)):
+        with pytest.raises(ValueError, match=f"{named}: a pixel's .* is a whole number"):
+            rt.formula(source, x, y)
+
+
+def test_what_has_no_formula_says_what_has():
+    with pytest.raises(TypeError, match="formula of a str, 'globe': give a Scene, a RayTree or a LinearSystem"):
+        rt.formula("globe", 1, 1)
