@@ -24,6 +24,7 @@ _NAMES = {
         "PointLight",
     ],
     "symrt.geometry": [
+        "Box",
         "Cylinder",
         "Disk",
         "Mesh",

@@ -223,6 +223,29 @@ def cylinder(table: Table) -> Shape:
     return group([side, *caps])
 
 
+def box(table: Table) -> Shape:
+    """Six walls; u runs to the right and v downwards on each, seen from outside."""
+    turn, middle, size = rotation(table.get("rotate", (0, 0, 0))), table["centre"], table["size"]
+    names = table["material"]
+    x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    to_the_right = {"front": (x, y), "back": (scale(-1, x), y), "right": (scale(-1, z), y), "left": (z, y)}
+    seen = {**to_the_right, "top": (x, scale(-1, z)), "bottom": (x, z)}
+
+    def wall(face: str) -> Shape:
+        right, up = seen[face]
+        out, wide, high = cross(right, up), abs(dot(right, size)), abs(dot(up, size))
+        centre = add(middle, turn(scale(0.5 * abs(dot(out, size)), out)))
+        right, up = turn(right), turn(up)
+
+        def where(p: Vector) -> tuple[Any, Any] | None:
+            u, v = dot(p, right) / wide + 0.5, 0.5 - dot(p, up) / high
+            return ((u, v), (wide, high)) if 0 <= u <= 1 and 0 <= v <= 1 else None
+
+        return flat(centre, turn(out), names if isinstance(names, str) else names.get(face, names.get("others")), where)
+
+    return group([wall(face) for face in seen])
+
+
 def group(shapes: list[Shape]) -> Shape:
     """The nearest hit of several shapes."""
 
@@ -598,7 +621,7 @@ def render(path: str | Path, palette: str, width: int, height: int) -> list[list
 def load(path: str | Path) -> Scene:
     """Read a scene file, which is taken to be right: symrt is the one that checks."""
     file, folder = tomllib.loads(Path(path).read_text()), Path(path).parent
-    kinds = {"sphere": sphere, "plane": plane, "disk": disk, "rectangle": rectangle, "cylinder": cylinder}
+    kinds = {"sphere": sphere, "plane": plane, "disk": disk, "rectangle": rectangle, "cylinder": cylinder, "box": box}
     lights = {"point": point_light, "directional": directional_light}
     from_file = {"label_image": label_image, "weight_image": weight_image}
     computed = {"checker": checker, "banded_relief": banded_relief}

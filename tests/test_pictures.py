@@ -61,6 +61,14 @@ BASE = {
 BALL = {"type": "sphere", "centre": [0.1, 0.9, 0.2], "radius": 0.9, "material": "red"}
 TILE = {"type": "rectangle", "centre": [0, 0.9, 0], "edge_u": [1.7, 0.2, 0.3], "edge_v": [-0.2, 1.4, 0.2]}
 PIPE = {"type": "cylinder", "base": [-0.4, 0.2, 0.3], "top": [0.5, 1.6, -0.2], "radius": 0.5, "material": "red"}
+CRATE = {"type": "box", "centre": [0.1, 0.8, 0.3], "size": [1.1, 1.3, 0.9], "rotate": [20, 30, 40], "material": "red"}
+ROOM = {
+    "type": "box",
+    "centre": [0, 3, 1],
+    "size": [15, 9, 17],
+    "rotate": [0, 10, 0],
+    "material": {"left": "red", "right": "blue", "back": "chrome", "others": "floor"},
+}
 
 
 def scene(*shapes, **changes):
@@ -93,6 +101,16 @@ SMALL = {
     "a rectangle": scene(TILE | {"material": "red"}),
     "a capped cylinder": scene(PIPE),
     "an open cylinder, seen into": scene(PIPE | {"top": [0.1, 0.9, 2.0], "capped": False}),
+    "a box, turned": scene(CRATE),
+    "a checked box": textured(CRATE, **CHECKER),
+    "a label image on a box": textured(
+        CRATE, type="label_image", file="labels.png", materials=["red", "blue", "floor"]
+    ),
+    "a room of several walls": scene(ROOM, CRATE, BALL | {"centre": [1.6, 0.9, 0.2], "material": "chrome"}),
+    "a room of mirrors": scene(ROOM | {"material": "chrome"}, BALL, depth=5),
+    "the inside of a ball": scene(BALL | {"centre": [0, 2, 1], "radius": 9, "material": "chrome"}, BALL),
+    "the inside of a cylinder": scene(PIPE | {"base": [0, -3, 0], "top": [0.5, 6, 0], "radius": 9}, BALL),
+    "the inside of a mesh": scene({"type": "mesh", "file": "cube.obj", "material": "red", "scale": 17}, BALL),
     "a flat mesh": scene({"type": "mesh", "file": "cube.obj", "material": "red", "translate": [0.1, 0.8, 0.3]}),
     "a smooth mesh": scene({"type": "mesh", "file": "egg.obj", "material": "red", "translate": [0.1, 0.9, 0.2]}),
     "a smooth mesh whose faces are wound inwards": scene(

@@ -1,5 +1,6 @@
 """Where rays go: shapes, textures and the rays that meet them (step 1)."""
 
+from symrt.geometry.box import Box
 from symrt.geometry.cylinder import Cylinder
 from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import LabelImage, WeightImage, load_texture
@@ -27,6 +28,7 @@ from symrt.geometry.triangle_mesh import TriangleMesh
 
 __all__ = [
     "BandedRelief",
+    "Box",
     "Checker",
     "Crossing",
     "Cylinder",

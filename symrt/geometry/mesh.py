@@ -121,7 +121,7 @@ def _part(
     uv = getattr(visual, "uv", None)
     return _Part(
         material=getattr(getattr(visual, "material", None), "name", None),
-        vertices=(_transformed(linear, vertices.T) + matrix[:3, 3:]).T,
+        vertices=(transformed(linear, vertices.T) + matrix[:3, 3:]).T,
         faces=faces,
         normals=normals,
         uv=None if uv is None else np.asarray(uv, dtype=float),
@@ -150,11 +150,11 @@ def _material_names(mesh: Mesh, found: list[str | None]) -> list[str]:
 def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
     """All parts as one mesh, scaled, turned and moved."""
     materials = tuple(dict.fromkeys(names))
-    turn = _rotation(mesh.rotate)
+    turn = rotation(mesh.rotate)
     starts = np.cumsum([0] + [len(part.vertices) for part in parts])
     normals = uv = None
     if all(part.normals is not None for part in parts):
-        normals = _transformed(turn, np.concatenate([np.asarray(part.normals) for part in parts]).T)
+        normals = transformed(turn, np.concatenate([np.asarray(part.normals) for part in parts]).T)
         # A file may round its normals or weigh them; between corners only their directions are blended.
         lengths = np.linalg.norm(normals, axis=0)
         normals = normals / np.where(lengths > 0, lengths, 1.0)
@@ -164,7 +164,7 @@ def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
         uv = np.stack([uv[0], 1 - uv[1]])
     points = np.concatenate([part.vertices for part in parts]).T
     return TriangleMesh(
-        vertices=_transformed(turn, mesh.scale * points) + np.array(mesh.translate, dtype=float).reshape(3, 1),
+        vertices=transformed(turn, mesh.scale * points) + np.array(mesh.translate, dtype=float).reshape(3, 1),
         faces=np.concatenate([part.faces + start for part, start in zip(parts, starts[:-1], strict=True)]).T,
         materials=materials,
         face_material=np.repeat([materials.index(name) for name in names], [len(part.faces) for part in parts]),
@@ -173,13 +173,25 @@ def _joined(mesh: Mesh, parts: list[_Part], names: list[str]) -> TriangleMesh:
     )
 
 
-def _transformed(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """``matrix · v`` for each column; without BLAS, which may round equal columns differently and open seams."""
+def transformed(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """``matrix · v`` for each column; without BLAS, which may round equal columns differently and open seams.
+
+    Examples
+    --------
+    >>> transformed(np.eye(3), np.array([[1.0], [2.0], [3.0]])).T
+    array([[1., 2., 3.]])
+    """
     return np.stack([row[0] * vectors[0] + row[1] * vectors[1] + row[2] * vectors[2] for row in matrix])
 
 
-def _rotation(degrees: Triple) -> np.ndarray:
-    """``Rz Ry Rx``: about x first, then y, then z."""
+def rotation(degrees: Triple) -> np.ndarray:
+    """``Rz Ry Rx``: about x first, then y, then z.
+
+    Examples
+    --------
+    >>> rotation((0, 0, 90)).round(15)[:, 0].tolist()
+    [0.0, 1.0, 0.0]
+    """
     (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
     about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])

@@ -1,11 +1,14 @@
 """What the records of shapes share: numbers as a file writes them, checked and turned into arrays (step 1)."""
 
+from numbers import Real
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import Point, length
 
-__all__ = ["LARGEST", "Triple", "column", "finite", "has_direction", "moved", "positive"]
+__all__ = ["LARGEST", "Triple", "column", "finite", "has_direction", "moved", "positive", "triples"]
 
 Triple = tuple[float | int, float | int, float | int]
 """A point or a vector in a record, in scene units."""
@@ -25,8 +28,8 @@ def column(triple: Triple) -> Float[np.ndarray, "3 1"]:
     return np.array(triple, dtype=float).reshape(3, 1)
 
 
-def finite(owner: str, **values: Triple | float | int) -> None:
-    """Refuse numbers of a record that are nan, infinite, or so large that their powers overflow.
+def finite(owner: str, **values: Any) -> None:
+    """Refuse values of a record that are no numbers, or nan, infinite, or so large that their powers overflow.
 
     Examples
     --------
@@ -35,10 +38,31 @@ def finite(owner: str, **values: Triple | float | int) -> None:
     ValueError: sphere: radius = inf: it must be finite
     """
     for name, value in values.items():
+        for part in np.asarray(value, dtype=object).ravel():
+            if isinstance(part, bool | np.bool) or not isinstance(part, Real):
+                raise ValueError(  # noqa: TRY004 -- a bad field is a bad value
+                    f"{owner}: {name} = {value!r}: it must be made of numbers; write them as 1.5"
+                )
         if not np.all(np.isfinite(value)):
             raise ValueError(f"{owner}: {name} = {value}: it must be finite")
         if np.abs(value).max() > LARGEST:
             raise ValueError(f"{owner}: {name} = {value}: it must be at most {LARGEST}; choose a larger unit of length")
+
+
+def triples(owner: str, **values: Any) -> None:
+    """Refuse points and vectors of a record that are not three numbers.
+
+    Examples
+    --------
+    >>> triples("box", size=4)
+    Traceback (most recent call last):
+    ValueError: box: size = 4: it must be three numbers, x, y and z; write them as (0, 1, 0)
+    """
+    for name, value in values.items():
+        if isinstance(value, str) or np.shape(np.asarray(value, dtype=object)) != (3,):
+            raise ValueError(
+                f"{owner}: {name} = {value!r}: it must be three numbers, x, y and z; write them as (0, 1, 0)"
+            )
 
 
 def positive(owner: str, **values: float | int) -> None:

@@ -17,6 +17,7 @@ from pydantic import ConfigDict, Field, PlainValidator, TypeAdapter, ValidationE
 from symrt.errors import SceneError, shown, suggestion
 from symrt.geometry import (
     BandedRelief,
+    Box,
     Checker,
     Cylinder,
     Disk,
@@ -36,7 +37,7 @@ from symrt.scene.records import Material, Scene
 __all__ = ["load_scene"]
 
 KINDS: dict[str, dict[str, type]] = {
-    "shapes": {kind.type: kind for kind in (Sphere, Plane, Disk, Rectangle, Cylinder, Mesh)},
+    "shapes": {kind.type: kind for kind in (Sphere, Plane, Disk, Rectangle, Cylinder, Box, Mesh)},
     "lights": {kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight)},
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
 }
@@ -109,7 +110,9 @@ class Document:
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", strict=True)
     camera: Camera
-    shapes: tuple[Annotated[Sphere | Plane | Disk | Rectangle | Cylinder | Mesh, Field(discriminator="type")], ...]
+    shapes: tuple[
+        Annotated[Sphere | Plane | Disk | Rectangle | Cylinder | Box | Mesh, Field(discriminator="type")], ...
+    ]
     materials: dict[str, Annotated[Any, PlainValidator(_material)]]
     lights: dict[str, Annotated[PointLight | DirectionalLight | AmbientLight, Field(discriminator="type")]] = field(
         default_factory=dict

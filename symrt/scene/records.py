@@ -5,7 +5,7 @@ that exists can be traced.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symrt.errors import refuse, shown, suggestion
-from symrt.geometry.rays import encloses
 from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
@@ -232,14 +231,6 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
 
 
 def _place_faults(scene: Scene) -> Iterator[str]:
-    eye = np.array(scene.camera.position)
-    for i, shape in enumerate(scene.shapes):
-        # A mesh that is still a file is asked once it is loaded.  What overflows is far away, and so outside.
-        with np.errstate(over="ignore", invalid="ignore"):
-            inside = not hasattr(shape, "file") and encloses(shape, eye)
-        if inside:
-            place = shown(scene.camera.position)
-            yield f"camera.position = {place}: it is inside shapes[{i}]; move the camera or the shape"
     for light in scene.lights:
         if getattr(light, "position", None) == scene.camera.target:
             yield (
@@ -249,7 +240,7 @@ def _place_faults(scene: Scene) -> Iterator[str]:
 
 
 def _material_of(shape: Any) -> Any:
-    """What a shape is made of: one name, or several for a mesh, whether loaded or not."""
+    """What a shape is made of: one name, or several for a mesh, whether loaded or not, and a box."""
     return shape.material if hasattr(shape, "material") else shape.materials
 
 
@@ -258,7 +249,9 @@ def _shape_text(shape: Any) -> str:
 
 
 def _details(record: Any) -> str:
-    fields = record if isinstance(record, Mapping) else vars(record)
+    # What a record has computed from its fields, such as a box its triangles, is none of its details.
+    told = dict(record) if isinstance(record, Mapping) else vars(record)
+    own = {one.name for one in fields(record)} if is_dataclass(record) else set(told)
     skipped = {"name", "type", "material"}
-    fields = {key: value for key, value in fields.items() if not isinstance(value, np.ndarray)}
-    return ", ".join(f"{key} = {shown(value)}" for key, value in fields.items() if key not in skipped)
+    told = {key: value for key, value in told.items() if key in own and not isinstance(value, np.ndarray)}
+    return ", ".join(f"{key} = {shown(value)}" for key, value in told.items() if key not in skipped)

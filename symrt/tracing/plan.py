@@ -1,6 +1,7 @@
 """What a trace simulates, and what it leaves out: each effect in one of three states (before step 1)."""
 
 from dataclasses import dataclass
+from html import escape
 from typing import Literal
 
 from symrt.table import html_table, text_table
@@ -52,6 +53,8 @@ class Plan:
     """All effects that symrt knows, each in its state; ``"mirrors" in plan`` says whether it is simulated."""
 
     effects: tuple[Planned, ...]
+    remarks: tuple[str, ...] = ()
+    """Sentences about the scene that may surprise whoever made it, such as a camera inside a ball."""
 
     def __contains__(self, name: str) -> bool:
         return any(effect.simulated for effect in self.effects if effect.name == name)
@@ -62,7 +65,8 @@ class Plan:
         return frozenset(effect.name for effect in self.effects if effect.state == "left out, bounded")
 
     def __str__(self) -> str:
-        return text_table(HEAD, [effect.row for effect in self.effects])
+        return "\n".join((text_table(HEAD, [effect.row for effect in self.effects]), *self.remarks))
 
     def _repr_html_(self) -> str:
-        return html_table(HEAD, [effect.row for effect in self.effects])
+        remarks = "".join(f"<p>{escape(remark)}</p>" for remark in self.remarks)
+        return html_table(HEAD, [effect.row for effect in self.effects]) + remarks

@@ -1,9 +1,13 @@
 """Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from symrt.errors import refuse, require, suggestion
+from symrt.geometry.rays import encloses
 from symrt.scene.records import Scene
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import Call, Effect
@@ -43,8 +47,34 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
         f"force: there is no effect {name!r}; {suggestion(name, sorted(known))}" for name in force if name not in known
     )
     return Plan(
-        tuple(_planned(effect, effect.call(scene, alternatives), force.get(effect.name)) for effect in effects.EFFECTS)
+        tuple(_planned(effect, effect.call(scene, alternatives), force.get(effect.name)) for effect in effects.EFFECTS),
+        remarks=tuple(_remarks(scene)),
     )
+
+
+def _remarks(scene: Scene) -> Iterator[str]:
+    """Sentences about closed shapes that the camera or a light stands in; a mesh that is still a file is not asked."""
+    for index, shape in enumerate(scene.shapes):
+        if hasattr(shape, "file"):
+            continue
+        eye = _inside(shape, scene.camera.position)
+        kind = getattr(shape, "type", "mesh")
+        if eye:
+            yield f"The camera is inside shapes[{index}], a {kind}: it sees what is inside, and its inner side."
+        # Walls let nothing through: a light and the camera on two sides of one see nothing of each other.
+        for light in scene.lights:
+            place = getattr(light, "position", None)
+            lamp = place is not None and _inside(shape, place)
+            known = place is not None or hasattr(light, "direction")
+            if light.shadows and known and lamp != eye:
+                here, there = ("inside", "outside of") if lamp else ("outside of", "inside")
+                yield f"The light {light.name} is {here} shapes[{index}], a {kind}: it does not shine {there} it."
+
+
+def _inside(shape: Any, place: Any) -> bool:
+    # What overflows is far away, and so outside.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return encloses(shape, np.array(place, dtype=float))
 
 
 def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:

@@ -6,9 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from symrt.geometry.box import Box
 from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
 from symrt.geometry.pictures import load_texture
-from symrt.geometry.rays import clearance, encloses, translate
+from symrt.geometry.rays import clearance, translate
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene
@@ -26,7 +27,7 @@ class Stage:
     ----------
     slots
         What each surface is made of, a material or a texture; a shape owns one slot, a mesh one for each of its
-        materials.
+        materials, a box one for each face.
     first_slot
         For each shape, its first slot.
     alternatives
@@ -122,15 +123,7 @@ def _checked(scene: Scene, alternatives: Alternatives) -> Alternatives:
 
 
 def _load(shape: object, scene: Scene) -> object:
-    if not isinstance(shape, Mesh):
-        return shape
-    mesh = load_mesh(shape, scene.folder)
-    # The scene asked this of its other shapes when it was made; a mesh had to be read first.
-    if encloses(mesh, np.array(scene.camera.position)):
-        raise ValueError(
-            f"camera.position = {list(scene.camera.position)}: it is inside {shape.file}; move one of them"
-        )
-    return mesh
+    return load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape
 
 
 def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
@@ -138,7 +131,7 @@ def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
     first = []
     for shape in shapes:
         first.append(len(slots))
-        slots += shape.materials if isinstance(shape, TriangleMesh) else [shape.material]  # type: ignore[attr-defined]
+        slots += shape.materials if isinstance(shape, TriangleMesh | Box) else [shape.material]  # type: ignore[attr-defined]
     return tuple(slots), np.array(first, dtype=np.int64)
 
 

@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from symrt.errors import require
+from symrt.geometry.box import Box
 from symrt.geometry.mesh import TriangleMesh
 from symrt.geometry.rays import Rays, nearest, surfaces
 from symrt.scene.cameras import Window
@@ -142,7 +143,7 @@ def _onwards(batch: Batch, sent: Sequence[Sent]) -> Batch:
 def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     slot = stage.first_slot[shape]
     for index, mesh in enumerate(stage.shapes):
-        if isinstance(mesh, TriangleMesh) and mesh.face_material is not None:
+        if isinstance(mesh, TriangleMesh | Box) and mesh.face_material is not None:
             own = shape == index
             slot[own] += mesh.face_material[primitive[own]]
     return slot

@@ -3,7 +3,7 @@
 import numpy as np
 import trimesh
 
-from symrt.geometry import Cylinder, Disk, Plane, Rectangle, Sphere, TriangleMesh
+from symrt.geometry import Box, Cylinder, Disk, Plane, Rectangle, Sphere, TriangleMesh
 
 
 def from_trimesh(mesh, scale=1.0, centre=(0, 0, 0)):
@@ -47,6 +47,7 @@ def gallery():
         Rectangle((0.3, 1.9, 0.2), (1.5, 0.3, 0), (0, 0, -1.2), "a"),
         Cylinder((0.9, -1.2, 1.3), (1.2, 0.8, 1.1), 0.4, "a"),
         Cylinder((-0.7, 1.2, -1.6), (0.4, 1.5, -1.8), 0.3, "a", capped=False),
+        Box((1.7, 1.6, 1.5), (0.9, 0.6, 1.1), "a", rotate=(20, 30, 40)),
         icosphere(1, 0.7, (-0.5, -1.1, 1.9)),
         torus(16, 8),
     ]

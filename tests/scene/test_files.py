@@ -213,9 +213,17 @@ WRONG = {
         GOOD.replace("[camera]", "[camera]\ntype = 'fisheye'"),
         ["camera.type = 'fisheye': it must be 'perspective' or 'orthographic'"],
     ),
-    "a camera inside a shape": (
-        GOOD.replace("[0, 3, 8]", "[0.1, 1.5, 0]"),
-        ["camera.position = [0.1, 1.5, 0.0]: it is inside shapes[0]; move the camera or the shape"],
+    "a box with a face that there is not": (
+        GOOD
+        + '[[shapes]]\ntype = "box"\ncentre = [0, 1, 0]\nsize = [1, 1, 2]\nmaterial = { lft = "red", top = "red" }\n',
+        [
+            "shapes[1].material = {'lft': 'red', 'top': 'red'}: there is no face 'lft'; "
+            "name left, right, bottom, top, back, front, or others for the rest"
+        ],
+    ),
+    "a box without thickness": (
+        GOOD + '[[shapes]]\ntype = "box"\ncentre = [0, 1, 0]\nsize = [1, 0, 2]\nmaterial = { lft = "red" }\n',
+        ["shapes[1].size[1] = 0: it must be greater than 0"],
     ),
     "nan": (
         GOOD.replace("radius = 1", "radius = nan"),
@@ -484,6 +492,12 @@ top = [0, 1, 0]
 radius = 0.5
 material = "red"
 capped = false
+[[shapes]]
+type = "box"
+centre = [0, 0, 0]
+size = [9, 8, 7]
+rotate = [0, 45, 0]
+material = { left = "red", others = "red" }
 [[shapes]]
 type = "mesh"
 file = "ring.obj"

@@ -11,7 +11,7 @@ import pytest
 from sympy import pi
 
 import symrt.reflection.models as reflection
-from symrt.geometry import Checker, Mesh, Plane, Rectangle, Sphere, TriangleMesh
+from symrt.geometry import Box, Checker, Mesh, Plane, Rectangle, Sphere, TriangleMesh
 from symrt.reflection.symbols import diffuse, lobe, n_dot_l, parameter, r_dot_v, specular
 from symrt.scene import AmbientLight, Camera, DirectionalLight, Material, PointLight, Scene, load_scene
 
@@ -123,7 +123,7 @@ def test_a_scene_knows_what_its_shapes_use():
         ({"shapes": [Mesh("a.obj", {"Brass": "brass"})]}, r"shapes\[0\].material.Brass = 'brass': no material"),
         ({"shapes": [Mesh("a.obj", "red")]}, r"^shapes\[0\].file: 'a.obj' does not exist in the scene's folder"),
         ({"shapes": [Mesh("/a.obj", "red")]}, r"^shapes\[0\].file: '/a.obj' is an absolute path"),
-        ({"shapes": [Sphere((0, 3, 8), 1, "red")]}, r"^camera.position = \[0.0, 3.0, 8.0\]: it is inside shapes\[0\]"),
+        ({"shapes": [Box((0, 0, 0), (1, 1, 1), {"others": "blue"})]}, r"^shapes\[0\].material.others = 'blue': no "),
         ({"lights": [PointLight("a", position=(0, 0.8, 0))]}, r"^lights.a.position: it stands at the camera's target"),
         ({"depth": -1}, r"^depth = -1: it must be a whole number from 0 to 1000"),
         ({"shapes": [SUN]}, r"^shapes\[0\] = DirectionalLight.*: this is not one of the shapes; move it"),

@@ -310,11 +310,73 @@ def test_the_plan_names_what_calls_for_each_effect():
     assert SCENES.exists()
 
 
-def test_a_camera_inside_a_mesh_is_refused_when_the_mesh_is_read(tmp_path):
+def furnace(shape, light=(0, 0, 0), depth=6):
+    """A closed shape of one material, seen from inside, with a lamp inside."""
+    return rt.Scene(
+        camera=rt.Camera(position=(0, 0, 0), target=(0.3, 0.2, -1), field_of_view=90, width=9, height=7),
+        shapes=[shape],
+        materials=[rt.Material("wall", model=["lambert", "mirror"])],
+        lights=[rt.PointLight("lamp", position=light)],
+        depth=depth,
+    )
+
+
+@pytest.mark.parametrize("depth", [0, 1, 6, 40])
+def test_a_closed_furnace_is_the_geometric_series(depth):
+    # Camera and lamp in the middle of a sphere of radius R: every bounce meets the wall at a right angle, so the pixel
+    # is Σ K^k ρ/(π R²), k = 0 … depth, and what is cut off is all of K^(depth + 1).
+    system = rt.collapse(rt.trace(furnace(rt.Sphere((0, 0, 0), 2, "wall"), depth=depth)))
+    mirrors = [one.met.count("wall.mirror") for one in system.interactions]
+    assert sorted(mirrors) == list(range(depth + 1))
+    assert all(one.met.count("wall.diffuse") == 1 for one in system.interactions)
+    np.testing.assert_allclose(system.G.toarray(), 1 / (4 * np.pi), rtol=1e-12)
+    palette = rt.Palette(
+        bands=rt.wavelengths(400, 700, 100), spectra={"lamp": 3, "wall.diffuse": 1, "wall.mirror": 0.5}
+    )
+    expected = 3 / (4 * np.pi) * (1 - 0.5 ** (depth + 1)) / (1 - 0.5)
+    np.testing.assert_allclose(rt.shade(system, palette).values, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (20, 30, 40)])
+def test_no_ray_escapes_from_a_furnace_in_a_box(turn):
+    scene = furnace(rt.Box((0.1, -0.2, 0.3), (2, 3, 4), "wall", rotate=turn), light=(0.4, 0.3, 0.2), depth=30)
+    tree = rt.trace(scene)
+    # Nothing hides the lamp in a convex room, so that every sample is lit at every bounce.
+    assert [level.sample.size for level in tree.levels] == [63] * 31
+    assert (rt.collapse(tree).G.toarray() > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "nearest"),
+    [
+        (rt.Sphere((0, 0.5, 0), 2, "wall"), 1.5),
+        (rt.Cylinder((0, -2, 0), (0, 3, 0), 1.25, "wall"), 1.25),
+        (rt.Box((0, 0, 0), (2, 3, 4), "wall"), 1.0),
+    ],
+)
+def test_a_lamp_inside_is_bounded_by_the_nearest_wall(shape, nearest):
+    tree = rt.trace(furnace(shape))
+    assert tree.lights["lamp"].bound == pytest.approx(1 / nearest**2, rel=1e-12)
+
+
+def test_the_plan_says_what_stands_inside_a_closed_shape():
+    inside = rt.plan(furnace(rt.Sphere((0, 0, 0), 2, "wall")))
+    assert inside.remarks == ("The camera is inside shapes[0], a sphere: it sees what is inside, and its inner side.",)
+    assert inside.remarks[0] in str(inside)
+    assert inside.remarks[0] in inside._repr_html_()
+    lamp = rt.plan(furnace(rt.Box((9, 0, 0), (2, 2, 2), "wall"), light=(9, 0, 0)))
+    assert lamp.remarks == ("The light lamp is inside shapes[0], a box: it does not shine outside of it.",)
+    assert rt.plan(furnace(rt.Box((9, 0, 0), (2, 2, 2), "wall"))).remarks == ()
+    dark = rt.plan(
+        replace(furnace(rt.Box((0, 0, 0), (2, 2, 2), "wall")), lights=[rt.DirectionalLight("sun", (0, -1, 0))])
+    )
+    assert dark.remarks[1:] == ("The light sun is outside of shapes[0], a box: it does not shine inside it.",)
+
+
+def test_a_camera_inside_a_mesh_sees_its_inner_side(tmp_path):
     corners = [(x, y, z) for x in (-9, 9) for y in (-9, 9) for z in (-9, 9)]
     faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
     lines = [*("v {} {} {}".format(*c) for c in corners), *("f {} {} {} {}".format(*f) for f in faces)]
     (tmp_path / "box.obj").write_text("\n".join(lines))
     scene = replace(two_materials(exponent=20), shapes=[rt.Mesh("box.obj", "dull")], folder=tmp_path)
-    with pytest.raises(ValueError, match=r"inside box\.obj"):
-        rt.trace(scene)
+    assert rt.trace(scene).levels[0].sample.size == scene.camera.width * scene.camera.height
