@@ -1,12 +1,15 @@
 """Arrays and a header in one ``.npz`` file: what all files that symrt writes of its own have in common.
 
-A file holds NumPy arrays, and one more, ``header``: JSON in UTF-8, as bytes, with ``format`` and ``version``.  Nothing
-in it is executable.  It appears whole or not at all; and what an array claims to unpack to is looked at before it is
-read.
+A file holds NumPy arrays, and one more, ``header``: JSON in UTF-8, as bytes, with ``format``, ``version`` and
+``digest``.  Nothing in it is executable.  It appears whole or not at all; and what an array claims to unpack to is
+looked at before it is read.
 """
 
+import hashlib
 import json
+import lzma
 import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -17,9 +20,10 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from symrt.errors import shown
+from symrt.disk import ordinary, replacing
+from symrt.errors import plain, shown
 
-__all__ = ["DAMAGE", "Kind", "check_members", "read_archive", "whole", "write_archive"]
+__all__ = ["DAMAGE", "Kind", "check_free", "check_members", "digest", "read_archive", "whole", "write_archive"]
 
 MOST_MEMBERS = 4096
 """Arrays that a file may hold."""
@@ -29,7 +33,9 @@ HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.re
 
 DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, KeyError, EOFError, OSError, ValueError, RecursionError, TypeError),
-    *(AttributeError, OverflowError, MemoryError, RuntimeError, IndexError),
+    *(AttributeError, OverflowError, MemoryError, RuntimeError, IndexError, lzma.LZMAError),
+    # NumPy reads the head of an array as Python's own literals.
+    *(SyntaxError, tokenize.TokenError),
 )
 """What comes of reading a file that was cut, changed, or is something else."""
 
@@ -71,19 +77,13 @@ def write_archive(path: str | Path, kind: Kind, header: Mapping[str, Any], array
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_archive(Path(folder) / "a.npz", kind, {"name": "half"}, {"values": np.full(2, 0.5)})
     ...     read_archive(Path(folder) / "a.npz", kind)
-    ({'values': array([0.5, 0.5])}, {'format': 'symrt-grey', 'version': 1, 'name': 'half'})
+    ({'values': array([0.5, 0.5])}, {'format': 'symrt-grey', 'version': 1, 'name': 'half', 'digest': '...'})
     """
-    text = json.dumps({"format": kind.format, "version": kind.version, **header})
-    path = Path(path)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez_compressed(
-                file, allow_pickle=False, header=np.frombuffer(text.encode(), dtype=np.uint8), **dict(arrays)
-            )
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    check_free(path, kind.format)
+    sealed = {"format": kind.format, "version": kind.version, **header, "digest": digest(header, arrays)}
+    text = np.frombuffer(json.dumps(sealed).encode(), dtype=np.uint8)
+    with replacing(path) as file:
+        np.savez_compressed(file, allow_pickle=False, header=text, **dict(arrays))
 
 
 def read_archive(path: str | Path, kind: Kind, largest: int = 1 << 30) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -94,7 +94,7 @@ def read_archive(path: str | Path, kind: Kind, largest: int = 1 << 30) -> tuple[
     largest
         Bytes that the arrays may unpack to together; a file that claims more is refused before it is read.
     """
-    with zipfile.ZipFile(path) as archive:
+    with zipfile.ZipFile(ordinary(path)) as archive:
         check_members(archive, largest)
     with np.load(path, allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
@@ -103,7 +103,66 @@ def read_archive(path: str | Path, kind: Kind, largest: int = 1 << 30) -> tuple[
         raise ValueError(f"its header does not say {kind.format!r}")
     if header.get("version") != kind.version:
         raise ValueError(f"it is of version {str(header.get('version'))[:20]}, and this symrt reads {kind.version}")
+    # Systems saved before they had a digest have none; what a kind of file demands, its own reader checks.
+    if "digest" in header and header["digest"] != digest(header, arrays):
+        raise ValueError("it was changed after it was saved: its digest is another")
     return arrays, header
+
+
+def digest(header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
+    """SHA-256 over what a header says beside ``format``, ``version`` and ``digest``, and over every array.
+
+    Examples
+    --------
+    >>> digest({"name": "half"}, {"values": np.full(2, 0.5)})[:8]
+    '3e1a9bc8'
+    """
+    said = {name: value for name, value in header.items() if name not in {"format", "version", "digest"}}
+    found = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+    for name, array in sorted(arrays.items()):
+        found.update(f"\n{name} {array.dtype.str} {array.shape}\n".encode())
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()
+
+
+def check_free(path: str | Path, form: str) -> None:
+    """Refuse a place that holds a file of another kind, which would be lost; one of the same kind may be replaced.
+
+    Parameters
+    ----------
+    form
+        What the header of the file to write says, such as ``"symrt-system"``; ``""`` for an image, which has none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "a.npz"
+    ...     write_archive(file, Kind("grey", 1, "", ""), {}, {})
+    ...     check_free(file, "symrt-grey")
+    ...     check_free(file, "")
+    Traceback (most recent call last):
+    ValueError: ...a.npz: a symrt-grey is there, which would be lost: give another name, or remove that file first
+    """
+    if Path(path).is_file() and (found := _form(Path(path))) not in {form, None}:
+        what = f"a {found}" if found else "an image"
+        raise ValueError(f"{path}: {what} is there, which would be lost: give another name, or remove that file first")
+
+
+def _form(path: Path) -> str | None:
+    """The format that the header of a file names, "" for an image; None of an empty file or a damaged archive."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = set(archive.namelist())
+            if "header.npy" in names:
+                with archive.open("header.npy") as file:
+                    header = json.loads(np.lib.format.read_array(file, allow_pickle=False).tobytes())
+                return plain(str(header["format"]))[:60]
+            return "" if {"values.npy", "bands.npy", "kind.npy"} <= names else "file of other arrays"
+    except DAMAGE:
+        with path.open("rb") as file:
+            start = file.read(2)
+        return None if start in {b"", b"PK"} else "file that symrt did not write"
 
 
 @contextmanager
@@ -124,7 +183,7 @@ def whole(path: str | Path, kind: Kind) -> Iterator[None]:
         raise ValueError(f"{path}: no such file; {kind.first}") from None
     except DAMAGE as error:
         reason = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) and error.args else str(error)
-        reason = " ".join(reason.split())[:200] or type(error).__name__
+        reason = plain(" ".join(reason.split()))[:200] or type(error).__name__
         raise ValueError(f"{path}: not a whole symrt {kind.name} ({reason}); {kind.remedy}") from error
 
 

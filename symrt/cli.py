@@ -15,6 +15,7 @@ import typer
 import symrt as rt
 from symrt.commands.feedback import adapt, feasible, fit, map_pixels
 from symrt.commands.gamuts import gamut, report
+from symrt.commands.saying import say
 from symrt.commands.scenes import demo, formula, plan, probe, render, shade
 
 __all__ = ["main"]
@@ -50,8 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except USAGE_ERROR as error:
         return _refused(error.format_message())
     except OSError as error:
-        named = str(error.filename).removesuffix(".partial")  # files are written beside their place first
-        return _refused(f"{named}: {error.strerror}" if error.filename else str(error))
+        return _refused(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except (ValueError, MemoryError) as error:
         return _refused(str(error))
 
@@ -84,10 +84,10 @@ def _warned(said: set[str], message: Warning | str, *_: Any, **__: Any) -> None:
     if str(message) in said:
         return
     said.add(str(message))
-    typer.echo(f"symrt: warning: {message}", err=True)
+    say(f"symrt: warning: {message}", err=True)
 
 
 def _refused(message: str) -> int:
     for line in message.splitlines():
-        typer.echo(f"symrt: {line if len(line) <= LONGEST else line[:LONGEST] + '…'}", err=True)
+        say(f"symrt: {line if len(line) <= LONGEST else line[:LONGEST] + '…'}", err=True)
     return BAD_INPUT

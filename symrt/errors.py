@@ -5,12 +5,17 @@ Both sides of the waist are given files and arguments, so this stands at the bot
 
 import difflib
 import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called."""
 RESERVED = ("bands", "unphysical")
 """Keys of a palette's table in a file: no light can be called so."""
+SYMBOL = re.compile(rf"{NAME.pattern}(>{NAME.pattern})?\.{NAME.pattern}")
+"""What reflectances and parameters are called: ``material.component``, or ``sea>ice.diffuse`` for an alternative."""
+UNSEEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+"""Unicode's categories of what controls a terminal, turns or hides letters, ends a line, or is no letter at all."""
 
 
 class SceneError(ValueError):
@@ -91,6 +96,38 @@ def shown(value: object) -> str:
         return f"[{items}{', …' if len(value) > 6 else ''}]"
     text = repr(value[:60] if isinstance(value, str) else value)
     return text if len(text) <= 70 else text[:66] + "…"
+
+
+def plain(text: str, keep: str = "") -> str:
+    r"""A text without characters that a terminal obeys, or that turn or hide others: they are shown as escapes.
+
+    Parameters
+    ----------
+    keep
+        Characters that may stay, such as the ends of lines.
+
+    Examples
+    --------
+    >>> print(plain("sun\x1b]0;owned\x07"), plain("two\nlines"), plain("two\nlines", keep="\n"))
+    sun\x1b]0;owned\x07 two\nlines two
+    lines
+    """
+    return "".join(
+        c.encode("unicode_escape").decode() if c not in keep and unicodedata.category(c) in UNSEEN else c for c in text
+    )
+
+
+def require_plain(what: str, text: str) -> None:
+    r"""Refuse a text that is to stand in a line, a table or a figure and holds more than what is seen of it.
+
+    Examples
+    --------
+    >>> require_plain("title", "a\x1b[2Jprinter")
+    Traceback (most recent call last):
+    ValueError: title is 'a\x1b[2Jprinter': no control characters: give one line of text
+    """
+    if plain(text) != text:
+        raise ValueError(f"{what} is {shown(text)}: no control characters: give one line of text")
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

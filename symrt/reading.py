@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
+from symrt.disk import ordinary
 from symrt.errors import NAME, SceneError, shown, suggestion
 
 __all__ = ["inside", "number_faults", "read_toml", "scene_path", "shipped_scene"]
@@ -64,7 +65,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         If there is no such file, it is too large, or it is not TOML; with the line, where there is one.
     """
     try:
-        size = path.stat().st_size
+        size = ordinary(path).stat().st_size
         if path.is_file() and size > LARGEST:
             rule = f"a scene file has at most {LARGEST >> 20} MiB; put geometry and pictures in files of their own"
             raise SceneError(f"{path}: {size} bytes: {rule}")
@@ -75,6 +76,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise SceneError(f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8 text") from None
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}; give the path of a scene file") from None
+    except ValueError as error:
+        raise SceneError(f"{path}: {error}") from None
     if chain := LONG_KEY.search(text):
         line = text.count("\n", 0, chain.start()) + 1
         raise SceneError(f"{path}: line {line}: nested too deeply; a scene has at most {DEEPEST} levels")

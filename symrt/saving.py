@@ -1,5 +1,10 @@
-"""Systems in files: what was rendered once is kept, bit for bit (between steps 2 and 3)."""
+"""Systems in files: what was rendered once is kept, bit for bit (between steps 2 and 3).
 
+A file is believed no more than a scene file is: every name, index, shape and number in it is checked, each by its own
+rule and against the others, before a system is made of them.
+"""
+
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
+from symrt.errors import NAME, RESERVED, SYMBOL, plain, shown
 from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 
 __all__ = ["load_system", "save_system"]
@@ -14,12 +20,22 @@ __all__ = ["load_system", "save_system"]
 KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
+KEYS = ("height", "width", "interactions", "tail", "reflected", "white", "models", "parameters", "seconds")
+"""Of the header, beside those that every file of ours has."""
+ARRAYS = frozenset(f"{name}_{part}" for name in ("G", "tail") for part in ("data", "indices", "indptr"))
+LONGEST = 1 << 16
+"""Letters of a model's formulas."""
 
 
 def save_system(path: str | Path, system: LinearSystem) -> None:
     """Write a system to one ``.npz`` file: arrays, and names as JSON; nothing in it is executable.
 
     The file appears whole or not at all.
+
+    Raises
+    ------
+    ValueError
+        If `load_system` would refuse it: names or numbers that no scene gives; or if a file of another kind is there.
 
     Examples
     --------
@@ -30,6 +46,8 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     ...     load_system(Path(folder) / "grey.npz").interactions
     (Interaction(light='sun', met=('red.diffuse',), nodes=()),)
     """
+    if fault := next(_faults(system), None):
+        raise ValueError(f"{path}: not saved: {fault}: correct the system")
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
         "height": int(system.height),
@@ -68,59 +86,160 @@ def load_system(path: str | Path) -> LinearSystem:
     """
     with whole(path, KIND):
         arrays, header = read_archive(path, KIND, LARGEST)
+        _check_keys(arrays, header)
         interactions = _interactions(header["interactions"])
         tail = None if header["tail"] is None else _interactions(header["tail"])
         reflected = _shares(header["reflected"])
-        pixels = int(header["height"]) * int(header["width"])
+        height, width = _count(header["height"]), _count(header["width"])
+        bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
+        if tail is None and reflected:
+            raise ValueError("nothing was cut off, but there are shares of it")
         system = LinearSystem(
-            G=_matrix(arrays, "G", pixels, len(interactions)),
+            G=_matrix(arrays, "G", height * width, len(interactions)),
             interactions=interactions,
-            height=int(header["height"]),
-            width=int(header["width"]),
-            white={str(k): _finite(float.fromhex(v)) for k, v in header["white"].items()},
-            models={str(k): str(v) for k, v in header["models"].items()},
-            parameters={
-                name: Nodes(name, float.fromhex(low), float.fromhex(high), int(count), scale)
-                for name, low, high, count, scale in header["parameters"]
-            },
-            tail=None if tail is None else Tail(_matrix(arrays, "tail", pixels, len(tail)), tail, reflected),
-            seconds={str(k): float(v) for k, v in header["seconds"].items()},
+            height=height,
+            width=width,
+            white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
+            models={name: _text(v) for name, v in _table(header["models"])},
+            parameters=_parameters(header["parameters"]),
+            tail=None if tail is None else Tail(bound, tail, reflected),
+            seconds={name: _number(v) for name, v in _table(header["seconds"])},
         )
-        _check_nodes(system)
+        if fault := next(_faults(system), None):
+            raise ValueError(fault)
         return system
 
 
-def _check_nodes(system: LinearSystem) -> None:
+def _faults(system: LinearSystem) -> Iterator[str]:
+    """Names and numbers that no scene gives, and parts that contradict each other: those of saved and loaded alike."""
+    tail = system.tail or Tail(sparse.csr_array((0, 0)))
+    yield from _wrong_names(system, tail)
+    yield from _wrong_columns(system, tail)
+    yield from _wrong_numbers(system, tail)
+
+
+def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
+    """Names against the rule for scene files, and against each other."""
+    columns = (*system.interactions, *tail.interactions)
+    met = {name for i in columns for name in i.met} | {name for s in tail.reflected for names, _ in s for name in names}
+    materials = {part for name in met for part in name.partition(".")[0].split(">")} | set(system.models)
+    for kind, names, rule in (
+        ("light", system.white, NAME),
+        ("material", system.models, NAME),
+        ("reflectance", sorted(met), SYMBOL),
+        ("parameter", system.parameters, SYMBOL),
+        ("step", system.seconds, NAME),
+    ):
+        yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
+    yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
+    yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
+    yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
+    for name, text in system.models.items():
+        if plain(text) != text or len(text) > LONGEST:
+            yield f"the model of {name} is {shown(text)}, not a line of formulas"
+
+
+def _wrong_columns(system: LinearSystem, tail: Tail) -> Iterator[str]:
+    """Columns of one name, in no order, or at nodes that there are not."""
+    for kind, columns in (("interactions", system.interactions), ("cut-off interactions", tail.interactions)):
+        if len(set(columns)) < len(columns):
+            yield f"two {kind} are the same"
+        yield from (f"{i} does not name its reflectances in order" for i in columns if list(i.met) != sorted(i.met))
+    yield from (f"what was cut off has nodes, in {i}" for i in tail.interactions if i.nodes)
     for interaction in system.interactions:
+        if len({name for name, _ in interaction.nodes}) < len(interaction.nodes):
+            yield f"{interaction} names two nodes of one parameter"
         for name, j in interaction.nodes:
             if name not in system.parameters or not 0 <= j < system.parameters[name].count:
-                raise ValueError(f"{interaction} names a node that is not there")
+                yield f"{interaction} names a node that is not there"
 
 
-def _finite(value: float) -> float:
-    if not np.isfinite(value):
-        raise ValueError(f"a white of {value}")
-    return value
+def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
+    """Numbers that are not finite, or below 0 where light is counted."""
+    for what, numbers in (("white", system.white), ("seconds", system.seconds)):
+        yield from (f"the {what} of {n} is {v}: not a number from 0" for n, v in numbers.items() if not 0 <= v < np.inf)
+    if not np.all(np.isfinite(system.G.data)):
+        yield "the coefficients of G are not finite float64 numbers"
+    # A bound on what was cut off may be infinite: nothing is known then.
+    bounds = np.array([c for shares in tail.reflected for _, c in shares])
+    if not (np.all(tail.bound.data >= 0) and np.all(bounds >= 0)):
+        yield "a bound on what was cut off is below 0, or not a number"
+
+
+def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
+    """Refuse what belongs to nothing: a file of ours has just these parts."""
+    if unknown := (set(header) - {"format", "version", "digest", *KEYS}) | (set(arrays) - ARRAYS):
+        raise ValueError(f"{shown(min(unknown))} belongs to nothing")
+
+
+def _parameters(rows: list[Any]) -> dict[str, Nodes]:
+    found = {}
+    for name, low, high, count, scale in rows:
+        if _text(name) in found:
+            raise ValueError(f"two parameters are called {shown(name)}")
+        if not SYMBOL.fullmatch(name):
+            raise ValueError(f"a parameter is called {shown(name)}")
+        found[name] = Nodes(name, float.fromhex(_text(low)), float.fromhex(_text(high)), _count(count), _text(scale))  # type: ignore[arg-type]  # Nodes checks it
+    return found
 
 
 def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
     return tuple(
-        Interaction(str(light), tuple(map(str, met)), tuple((str(name), int(j)) for name, j in nodes))
-        for light, met, nodes in rows
+        Interaction(
+            _text(light), tuple(map(_text, _list(met))), tuple((_text(name), _count(j)) for name, j in _list(nodes))
+        )
+        for light, met, nodes in _list(rows)
     )
 
 
 def _shares(rows: list[Any]) -> tuple[Shares, ...]:
-    return tuple(tuple((tuple(map(str, met)), float.fromhex(c)) for met, c in shares) for shares in rows)
+    return tuple(
+        tuple((tuple(map(_text, _list(met))), float.fromhex(_text(c))) for met, c in _list(shares))
+        for shares in _list(rows)
+    )
 
 
 def _matrix(arrays: dict[str, np.ndarray], name: str, rows: int, columns: int) -> sparse.csr_array:
+    """A matrix whose places were checked here: SciPy skips some of it where nothing is stored, and trusts the rest."""
     data, indices, indptr = (arrays[f"{name}_{part}"] for part in ("data", "indices", "indptr"))
-    if indices.dtype.kind != "i" or indptr.dtype.kind != "i":
-        raise ValueError(f"the places of {name} are not whole numbers")
-    # A bound on what was cut off may be infinite: nothing is known then.
-    if data.dtype != np.float64 or not np.all(np.isfinite(data) | (np.isposinf(data) & (name == "tail"))):
+    if indices.dtype.kind != "i" or indptr.dtype.kind != "i" or not data.ndim == indices.ndim == indptr.ndim == 1:
+        raise ValueError(f"the places of {name} are not rows of whole numbers")
+    if data.dtype != np.float64:
         raise ValueError(f"the coefficients of {name} are not finite float64 numbers")
-    matrix = sparse.csr_array((data, indices, indptr), shape=(rows, columns))
-    matrix.check_format(full_check=True)
-    return matrix
+    if len(indptr) != rows + 1 or len(indices) != len(data) or indptr[0] != 0 or indptr[-1] != len(data):
+        raise ValueError(f"{name} has not {rows} rows, or not {len(data)} coefficients")
+    if np.any(indptr[1:] < indptr[:-1]):
+        raise ValueError(f"the rows of {name} are out of order")
+    if len(indices) and not (indices.min() >= 0 and indices.max() < columns):
+        raise ValueError(f"{name} has coefficients outside its {columns} columns")
+    return sparse.csr_array((data, indices, indptr), shape=(rows, columns))
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"{shown(value)} is not a text")  # noqa: TRY004 -- what a file says
+    return value
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{shown(value)} is not a number")  # noqa: TRY004 -- as above
+    return float(value)
+
+
+def _count(value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 1 << 31:
+        raise ValueError(f"{shown(value)} is not a whole number from 0")
+    return value
+
+
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError(f"{shown(value)} is not a list")  # noqa: TRY004 -- as above
+    return value
+
+
+def _table(value: Any) -> Iterator[tuple[str, Any]]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{shown(value)} is not a table")  # noqa: TRY004 -- as above
+    yield from value.items()

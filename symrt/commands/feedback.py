@@ -3,13 +3,12 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import parameter_of, scale_of, writable
+from symrt.commands.arguments import apart, parameter_of, scale_of, writable
 from symrt.commands.masks import weights_of
 from symrt.commands.questions import Question, asking
+from symrt.commands.saying import say
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
@@ -54,6 +53,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     for path in (plot, region, curve):
         if path is not None:
             writable(path, ".png")
+    apart({"--plot": plot, "--region": region, "--curve": curve}, [*question.read, weights])
     asked = [parameter_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered(asked)
@@ -61,14 +61,14 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     if together:
         scales = [scale_of(word) for word in parameter]
         box = rt.safe_box(system, spectra, gamut, scales, **(options | {"within": within or (0.01, 3.0)}))
-        typer.echo(json_text(box_record(box)) if as_json else repr(box))
+        say(json_text(box_record(box)) if as_json else repr(box))
         return
     options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
     if region is not None:
         ranges = options | {"within": (within, within)}
         pairs = rt.joint_region(system, spectra, gamut, asked[0], asked[1], **ranges)
         draw(region, "joint_region_figure", pairs, system, spectra, seen)
-        typer.echo(json_text(region_record(pairs)) if as_json else repr(pairs))
+        say(json_text(region_record(pairs)) if as_json else repr(pairs))
         return
     options |= {"weights": weights_of(weights, system)}
     found = [rt.feasible(system, spectra, gamut, one, **options) for one in asked]
@@ -77,7 +77,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, gamut, seen)
     answers = [feasible_record(one) for one in found]
-    typer.echo(json_text(answers) if as_json else "\n\n".join([ranges_table(found), *map(repr, found)]))
+    say(json_text(answers) if as_json else "\n\n".join([ranges_table(found), *map(repr, found)]))
 
 
 @asking(Question)
@@ -99,10 +99,11 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
     from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.spectra.palettes_file import check_palettes_free  # noqa: PLC0415
 
-    _check_files(out, plot)
+    _check_files(question, out, plot, palette_out)
     if palette_out is not None:
-        writable(palette_out, ".toml")
+        check_palettes_free(palette_out, [objective])
     scales = [scale_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
@@ -138,7 +139,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     from symrt.explore.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
 
-    _check_files(out, plot)
+    _check_files(question, out, plot)
     scales = [scale_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
@@ -171,7 +172,7 @@ def map_pixels(  # a command names its options
     """
     from symrt.explore.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
 
-    _check_files(out, plot)
+    _check_files(question, out, plot)
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
     found = rt.map_pixels(system, spectra, gamut, towards=towards, smoothness=smoothness, reference=seen)
@@ -186,16 +187,19 @@ def _check_together(together: bool, others: dict[str, object]) -> None:
         raise ValueError(f"--together gives one box for all pixels: leave out {' and '.join(given)}")
 
 
-def _check_files(out: Path | None, plot: Path | None) -> None:
+def _check_files(question: Question, out: Path | None, plot: Path | None, palette_out: Path | None = None) -> None:
     if out is not None:
-        writable(out, *option.PICTURES)
+        writable(out, *option.PICTURES, form="")
     if plot is not None:
         writable(plot, ".png")
+    if palette_out is not None:
+        writable(palette_out, ".toml")
+    apart({"--out": out, "--plot": plot, "--palette-out": palette_out}, question.read)
 
 
 def _answer(record: dict[str, Any], text: str, written: list[str], as_json: bool) -> None:
     """The answer, and what was written to which file."""
-    typer.echo(json_text(record | {"written": written}) if as_json else "\n".join([text, *written]))
+    say(json_text(record | {"written": written}) if as_json else "\n".join([text, *written]))
 
 
 def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> str:

@@ -8,8 +8,9 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import Kind, bands_of, gamut_of, gamuts_of, palette_of, system_of, writable
+from symrt.commands.arguments import Kind, apart, bands_of, gamut_of, gamuts_of, palette_of, system_of, writable
 from symrt.commands.questions import Picture, asking
+from symrt.commands.saying import say
 from symrt.explore.writing import draw, json_text
 
 if TYPE_CHECKING:
@@ -58,7 +59,8 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     for path, ending in ((save, ".npz"), (plot, ".png")):
         if path is not None:
-            writable(path, ending)
+            writable(path, ending, form="symrt-gamut")
+    apart({"--save": save, "--plot": plot}, [source, palettes, device])
     kind = Kind(model, black, light, tolerance, mode)
     if source is None:
         about: dict[str, object] = {
@@ -88,7 +90,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
         said, text = _segments(system_of(source, size), spectra, found, reference, asked, components, plot)
     if save is not None:
         rt.save_gamut(save, found)
-    typer.echo(json_text(said) if as_json else text)
+    say(json_text(said) if as_json else text)
 
 
 def _facts(found: "SavedGamut", plot: Path | None) -> tuple[dict[str, Any], str]:
@@ -141,8 +143,9 @@ def report(  # a command names its options
     gamuts = gamuts_of(picture.device, models, monitor, picture.given.bands, kind)
     if plot is not None:
         writable(plot, ".png")
+    apart({"--plot": plot}, [*picture.read, monitor])
     system, spectra = picture.rendered()
     said = rt.report(system, spectra, gamuts, picture.seen)
     if plot is not None:
         draw(plot, "out_of_gamut_map", system, spectra, gamuts[0], picture.seen)
-    typer.echo(json_text(asdict(said)) if as_json else str(said))
+    say(json_text(asdict(said)) if as_json else str(said))

@@ -51,6 +51,11 @@ class Picture:
             raise ValueError("--reference and --white-of both choose the white: give one of them")
         return rt.Reference(self.reference, self.exposure)
 
+    @property
+    def read(self) -> list[str | None]:
+        """The words that may be files, which no output may replace."""
+        return [self.source, self.palettes, self.device, *(self.split or ())]
+
     def rendered(self, asked: "Sequence[Parameter]" = ()) -> "tuple[LinearSystem, Palette]":
         """The system and the palette, with names for the regions that were split off."""
         given, _ = self.given, self.seen

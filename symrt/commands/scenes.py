@@ -9,7 +9,8 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import against, formula_of, pairs_of, palette_of, scene_of, system_of, writable
+from symrt.commands.arguments import against, apart, formula_of, pairs_of, palette_of, scene_of, system_of, writable
+from symrt.commands.saying import say
 from symrt.explore.writing import json_text
 
 __all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
@@ -23,7 +24,7 @@ def plan(scene: option.SceneFile, as_json: option.Json = False) -> None:
     found = rt.plan(rt.load_scene(scene))
     keys = ("effect", "simulated", "because", "rays at most")
     record = [dict(zip(keys, effect.row, strict=True)) | {"simulated": effect.simulated} for effect in found.effects]
-    typer.echo(json_text(record) if as_json else str(found))
+    say(json_text(record) if as_json else str(found))
 
 
 def probe(
@@ -38,7 +39,7 @@ def probe(
     found = rt.probe(rt.load_scene(scene), rays=rays)
     record = {"rays": found.rays, "mirrored": found.mirrored, "hidden": found.hidden}
     record |= {"meetings": [asdict(meeting) for meeting in found.meetings]}
-    typer.echo(json_text(record) if as_json else str(found))
+    say(json_text(record) if as_json else str(found))
 
 
 def render(
@@ -59,7 +60,8 @@ def render(
 
     Example: symrt render globe --size 512 --out globe.npz
     """
-    out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz")
+    out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz", form="symrt-system")
+    apart({"--out": out}, [scene])
     if workers is not None and workers < 1:
         raise ValueError(f"--workers {workers}: at least one thread works")
     asked = pairs_of(alternative or ())
@@ -68,7 +70,7 @@ def render(
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
-    typer.echo(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
+    say(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
 
 
 def formula(  # noqa: PLR0913, PLR0917  # a command names its options
@@ -93,9 +95,9 @@ def formula(  # noqa: PLR0913, PLR0917  # a command names its options
     found = formula_of(source, size, x, y, collapsed)
     if as_json:
         record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
-        typer.echo(json_text(record | {"symbols": list(found.symbols), "values": found.letters}))
+        say(json_text(record | {"symbols": list(found.symbols), "values": found.letters}))
     else:
-        typer.echo(found.latex() if latex else found.code() if python else str(found))
+        say(found.latex() if latex else found.code() if python else str(found))
 
 
 def _place(given: int | None, named: int | None, name: str) -> int:
@@ -126,14 +128,15 @@ def shade(
     if reference is not None and white_of is not None:
         raise ValueError("--reference and --white-of both choose the white: give one of them")
     spectra = palette_of(source, palettes, palette)
-    out = writable(out or Path(f"{Path(source).stem}.png"), *option.PICTURES)
+    out = writable(out or Path(f"{Path(source).stem}.png"), *option.PICTURES, form="")
+    apart({"--out": out}, [source, palettes])
     system = system_of(source, size)
     if white_of is not None:
         spectra = against(system, spectra, source, palettes, white_of)
     image = rt.shade(system, spectra)
     white = rt.Reference(reference).white(system, spectra) if reference else None
     rt.save_image(out, image, exposure=exposure, white=white)
-    typer.echo(f"{out}: {image!r}, shaded in {image.seconds:.3f} s")
+    say(f"{out}: {image!r}, shaded in {image.seconds:.3f} s")
 
 
 def demo(
@@ -150,4 +153,4 @@ def demo(
     from symrt.explore.demo import write_demo  # noqa: PLC0415  # slow, and --help does not need it
 
     for product in write_demo(out, scene_of(scene, size), rt.load_palettes(scene)):
-        typer.echo(f"{product.path}: {shorten(product.caption, 140, placeholder=' …')}")
+        say(f"{product.path}: {shorten(product.caption, 140, placeholder=' …')}")

@@ -16,7 +16,8 @@ from symrt.device.cgats import decoded, read_cgats
 from symrt.device.cxf import read_cxf
 from symrt.device.measured import Measured, Row, check_size, fractions, from_rows
 from symrt.device.printing import Device
-from symrt.errors import shown
+from symrt.disk import ordinary
+from symrt.errors import plain, shown
 from symrt.spectra.bands import Bands
 
 LARGEST = 32 << 20
@@ -62,22 +63,22 @@ def load_chart(path: str | Path, mode: str | None = None) -> Device:
     except ValueError as error:
         raise ValueError(f"{path}: {str(error).splitlines()[0]}") from None
     prints = len(chart.reflectances)
-    known = f" with amounts of {', '.join(chart.inks)}{chart.lacking}" if chart.inks else ""
+    known = f" with amounts of {', '.join(chart.inks)}{plain(chart.lacking)}" if chart.inks else ""
     return Device(
-        name=path.name,
+        name=plain(path.name),
         bands=chart.bands,
         samples=chart.reflectances,
         amounts=chart.amounts,
         inks=chart.inks,
         extrapolated=np.zeros(len(chart.bands), dtype=bool),
         title=f"{prints} prints{known}",
-        provenance=f"Measured prints, read from {path.name}. {chart.note}",
+        provenance=f"Measured prints, read from {plain(path.name)}. {plain(chart.note)}",
         modelled=False,
     )
 
 
 def _read(path: Path, mode: str | None) -> Measured:
-    with path.open("rb") as file:
+    with ordinary(path).open("rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
         raise ValueError(f"it is too large: a chart has at most {LARGEST >> 20} MiB; give a smaller one")

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from symrt.disk import write_whole
 from symrt.explore.page import File, page
 from symrt.explore.plots import gamut_figure, png, ranges_figure
 from symrt.explore.study import WITHIN, Study, materials, study
 from symrt.explore.tables import fits_table, ranges_table
-from symrt.explore.writing import write_whole
 from symrt.feedback import Fit
 from symrt.scene import Scene
 from symrt.spectra import Palette, shade

@@ -4,7 +4,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-__all__ = ["draw", "json_text", "write_whole"]
+from symrt.disk import write_whole
+
+__all__ = ["draw", "json_text"]
 
 
 def json_text(record: Any) -> str:
@@ -17,7 +19,8 @@ def json_text(record: Any) -> str:
       "low": 0.01
     }
     """
-    return json.dumps(record, indent=2, allow_nan=False, ensure_ascii=False)
+    # Letters beyond ASCII are written as escapes: the text passes any terminal, and is the same in any encoding.
+    return json.dumps(record, indent=2, allow_nan=False).replace("\x7f", "\\u007f")
 
 
 def draw(path: Path, figure: str, *arguments: Any) -> None:
@@ -36,22 +39,3 @@ def draw(path: Path, figure: str, *arguments: Any) -> None:
     from symrt.explore import plots  # noqa: PLC0415  # matplotlib is slow to import
 
     write_whole(path, plots.png(getattr(plots, figure)(*arguments)))
-
-
-def write_whole(path: Path, content: str | bytes) -> None:
-    """Write beside the file first, and put it in its place when every byte is on the disk.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_whole(Path(folder) / "a.txt", "r = e p / w")
-    ...     [file.name for file in Path(folder).iterdir()]
-    ['a.txt']
-    """
-    partial = path.with_name(path.name + ".partial")
-    try:
-        partial.write_bytes(content.encode() if isinstance(content, str) else content)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)

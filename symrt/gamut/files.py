@@ -16,13 +16,9 @@ Numbers are hexadecimal text, as `float.hex` writes them.  Arrays are ``device0_
 ``gamut0_upper`` …: which there are, and their axes, `symrt.gamut.records` says in one table.
 """
 
-import hashlib
-import json
 from pathlib import Path
 
-import numpy as np
-
-from symrt.archives import Kind, read_archive, whole, write_archive
+from symrt.archives import Kind, digest, read_archive, whole, write_archive
 from symrt.device.monitors import Monitor
 from symrt.device.printing import Device
 from symrt.gamut.gamuts import AnyGamut
@@ -67,7 +63,7 @@ def save_gamut(path: str | Path, gamut: SavedGamut) -> None:
         "devices": [record_of_device(device, f"device{i}_", arrays) for i, device in enumerate(devices)],
         "gamuts": [record_of_gamut(part, places[i], f"gamut{i}_", arrays) for i, part in enumerate(parts)],
     }
-    write_archive(path, KIND, header | {"digest": _digest(header, arrays)}, arrays)
+    write_archive(path, KIND, header, arrays)
 
 
 def load_gamut(path: str | Path) -> SavedGamut:
@@ -87,7 +83,7 @@ def load_gamut(path: str | Path) -> SavedGamut:
     with whole(path, KIND):
         arrays, header = read_archive(path, KIND, LARGEST)
         kept = {name: header[name] for name in ("devices", "gamuts")}
-        if header["digest"] != _digest(kept, arrays):
+        if header["digest"] != digest(kept, arrays):
             raise ValueError("it was changed after it was saved: its digest is another")
         devices = [device_of(record, f"device{i}_", arrays) for i, record in enumerate(kept["devices"])]
         gamuts = [gamut_of(record, devices, f"gamut{i}_", arrays) for i, record in enumerate(kept["gamuts"])]
@@ -105,11 +101,3 @@ def _known(gamut: SavedGamut) -> AnyGamut:
 
 def _device(gamut: AnyGamut) -> Device | Monitor:
     return gamut.monitor if isinstance(gamut, MonitorGamut) else gamut.device
-
-
-def _digest(header: Header, arrays: Arrays) -> str:
-    found = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
-    for name, array in sorted(arrays.items()):
-        found.update(f"\n{name} {array.dtype.str} {array.shape}\n".encode())
-        found.update(np.ascontiguousarray(array).tobytes())
-    return found.hexdigest()

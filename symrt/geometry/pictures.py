@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int, Shaped
 from PIL import Image
 
+from symrt.disk import ordinary
 from symrt.geometry.textures import UV, BandedRelief, Checker, Weights, weights
 
 __all__ = ["LabelImage", "WeightImage", "grey_picture", "load_texture"]
@@ -171,7 +172,7 @@ def _png(path: Path, where: str) -> tuple[Shaped[np.ndarray, "row column *channe
         # Pillow warns of pictures above 89 megapixels; ours are refused by size below, from the header alone.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image = Image.open(path, formats=["PNG"])
+            image = Image.open(ordinary(path), formats=["PNG"])
         with image:
             _check_size(image)
             pixels = np.asarray(image)

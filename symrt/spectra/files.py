@@ -9,11 +9,14 @@ import importlib
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 import imageio.v3 as imageio
 import numpy as np
 
+from symrt.archives import check_free
 from symrt.arrays import Spectrum
+from symrt.disk import replacing
 from symrt.spectra.bands import Number
 from symrt.spectra.display import to_rgb8
 from symrt.spectra.image import SpectralImage
@@ -45,15 +48,13 @@ def save_image(
         raise ValueError(f"{path}: {ending or 'no ending'!r} is not a format: use .png, .tif, .npz or .exr")
     if ending != ".png" and (exposure != 1 or white is not None):
         raise ValueError(f"{path}: exposure and white are for pictures; {ending} holds the radiances as they are")
-    partial = path.with_name(path.name + ".partial")
-    try:
+    if ending == ".npz":
+        check_free(path, "")
+    with replacing(path) as file:
         if ending == ".png":
-            partial.write_bytes(png_bytes(image, exposure, white))
+            file.write(png_bytes(image, exposure, white))
         else:
-            WRITERS[ending](partial, image)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+            WRITERS[ending](file, path, image)
 
 
 def png_bytes(image: SpectralImage, exposure: Number = 1.0, white: Spectrum | str | None = None) -> bytes:
@@ -61,25 +62,24 @@ def png_bytes(image: SpectralImage, exposure: Number = 1.0, white: Spectrum | st
     return encode_png(to_rgb8(linear_rgb(image, exposure, white)))
 
 
-def _write_npz(path: Path, image: SpectralImage) -> None:
+def _write_npz(file: BinaryIO, _: Path, image: SpectralImage) -> None:
     arrays = {
         "values": image.values,
         "bands": np.array(image.bands.centres, dtype=np.float64),
         "kind": np.array(image.bands.kind),
     }
     arrays |= {name: a for name, a in (("white", image.white), ("cut_off", image.cut_off)) if a is not None}
-    with path.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
+    np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
-def _write_tiff(path: Path, image: SpectralImage) -> None:
+def _write_tiff(file: BinaryIO, _: Path, image: SpectralImage) -> None:
     description = json.dumps({"bands": image.bands.centres, "kind": image.bands.kind})
     colour = "rgb" if image.bands.kind == "rgb" else "minisblack"
     options = {"plugin": "tifffile", "extension": ".tif", "photometric": colour, "planarconfig": "contig"}
-    path.write_bytes(imageio.imwrite("<bytes>", _single(image), description=description, metadata=None, **options))
+    file.write(imageio.imwrite("<bytes>", _single(image), description=description, metadata=None, **options))
 
 
-def _write_exr(path: Path, image: SpectralImage) -> None:
+def _write_exr(file: BinaryIO, path: Path, image: SpectralImage) -> None:
     try:
         exr = importlib.import_module("OpenEXR")
     except ImportError:
@@ -94,8 +94,13 @@ def _write_exr(path: Path, image: SpectralImage) -> None:
         header |= {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1"}
     planes = np.moveaxis(_single(image), -1, 0)
     channels = {name: np.ascontiguousarray(plane) for name, plane in zip(names, planes, strict=True)}
-    with exr.File(header, channels) as file:
-        file.write(str(path))
+    # OpenEXR writes by name, into the file that was opened for it, and says what stops it in words of its own.
+    try:
+        with exr.File(header, channels) as picture:
+            picture.write(file.name)
+    except RuntimeError as error:
+        reason = " ".join(str(error).replace(file.name, path.name).split())
+        raise ValueError(f"{path}: it cannot be written ({reason}): look at the disk, or save as .npz") from error
 
 
 def _single(image: SpectralImage) -> np.ndarray:
@@ -105,7 +110,7 @@ def _single(image: SpectralImage) -> np.ndarray:
     return image.values.astype(np.float32)
 
 
-WRITERS: dict[str, Callable[[Path, SpectralImage], None]] = {
+WRITERS: dict[str, Callable[[BinaryIO, Path, SpectralImage], None]] = {
     ".npz": _write_npz,
     ".tif": _write_tiff,
     ".tiff": _write_tiff,

@@ -16,7 +16,7 @@ reference-white = 0.3                 # radiance of the white it is seen against
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -24,6 +24,7 @@ import numpy as np
 import tomli_w
 from jaxtyping import Float
 
+from symrt.disk import write_whole
 from symrt.errors import NAME, SceneError, refuse, require, shown, suggestion
 from symrt.reading import inside, number_faults, read_toml, scene_path
 from symrt.spectra.bands import RGB, Bands, resample, wavelengths
@@ -103,15 +104,28 @@ def save_palettes(path: str | Path, palettes: Mapping[str, Palette]) -> None:
         require("palette", palette, Palette, "Palette(bands, spectra) for each name")
     if wrong := [name for name in palettes if not NAME.fullmatch(name)]:
         raise ValueError(f"{shown(wrong[0])} cannot name a palette: a letter, then letters, digits and '_'")
-    if path.exists() and set(read_toml(path)) - {"palettes"}:
-        raise ValueError(f"{path} holds a scene too, which would be lost: save the palettes to a file of their own")
+    check_palettes_free(path, palettes)
     text = tomli_w.dumps({"palettes": {name: _table(palette) for name, palette in palettes.items()}})
-    partial = path.with_name(path.name + ".partial")
-    try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_whole(path, text)
+
+
+def check_palettes_free(path: Path, names: Iterable[str]) -> None:
+    """Refuse to replace a file that holds a scene, or palettes of other names than those that are to be saved.
+
+    Examples
+    --------
+    >>> check_palettes_free(Path("missing.toml"), ["warm"])
+    """
+    if not path.exists():
+        return
+    held = read_toml(path)
+    if set(held) - {"palettes"}:
+        raise ValueError(f"{path} holds a scene too, which would be lost: save the palettes to a file of their own")
+    others = held.get("palettes", {})
+    if lost := sorted(set(others) - set(names)) if isinstance(others, dict) else [others]:
+        raise ValueError(
+            f"{path} holds other palettes, which would be lost: {shown(lost)}: give another name, or save them too"
+        )
 
 
 def _palette(name: str, table: object, folder: Path) -> Palette:

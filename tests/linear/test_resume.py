@@ -45,6 +45,73 @@ def test_a_missing_or_damaged_tile_is_made_again(tmp_path, damage):
     assert same_bits(rt.render(scene, save=tmp_path, progress=False), whole)
 
 
+def other_bits(path):
+    """Put other coefficients into a tile: a system that is whole, and not this one."""
+    tile = rt.load_system(path)
+    rt.save_system(path, replace(tile, G=tile.G * 2))
+
+
+def swapped(first, second):
+    one, other = first.read_bytes(), second.read_bytes()
+    first.write_bytes(other)
+    second.write_bytes(one)
+
+
+@pytest.mark.parametrize(
+    "tamper",
+    [
+        lambda first, second: other_bits(first),  # noqa: ARG005 -- of two tiles, one is altered
+        lambda first, second: second.write_bytes(first.read_bytes()),
+        swapped,
+        lambda first, second: rt.save_system(second, replace(rt.load_system(first), tail=None)),
+        lambda first, second: (first.parent / "seal-0-0.sha256").write_text(""),  # noqa: ARG005 -- as above
+    ],
+    ids=["altered", "renamed", "swapped", "without a tail", "seal cut off"],
+)
+def test_a_tile_that_is_not_the_one_that_was_kept_is_made_again(tmp_path, tamper):
+    scene = hall_of_mirrors(3)
+    whole = rt.render(scene, save=tmp_path, progress=False)
+    tamper(*sorted(tmp_path.glob("tile-*"))[:2])
+    again = rt.render(scene, save=tmp_path, progress=False)
+    assert same_bits(again, whole)
+    assert again.tail.interactions == whole.tail.interactions
+    np.testing.assert_array_equal(again.tail.bound.toarray(), whole.tail.bound.toarray())
+
+
+def test_tiles_of_another_scene_are_made_again_even_beside_this_one_s_digest(tmp_path):
+    other, scene = two_materials(exponent=20), two_materials(exponent=30)
+    rt.render(other, save=tmp_path / "other", progress=False)
+    whole = rt.render(scene, save=tmp_path / "this", progress=False)
+    for kept in (tmp_path / "other").glob("*-*"):
+        kept.replace(tmp_path / "this" / kept.name)
+    assert same_bits(rt.render(scene, save=tmp_path / "this", progress=False), whole)
+
+
+@pytest.mark.parametrize("cut", [b"", b"0123", b"\xff" * 64])
+def test_a_digest_that_was_cut_off_does_not_block_its_folder(tmp_path, monkeypatch, cut):
+    scene = two_materials(exponent=20)
+    whole = rt.render(scene, save=tmp_path, progress=False)
+    (tmp_path / "render.sha256").write_bytes(cut)
+    monkeypatch.setattr("symrt.tracing.tracer.nearest", None)  # nothing is traced again
+    assert same_bits(rt.render(scene, save=tmp_path, progress=False), whole)
+
+
+def test_a_folder_in_a_tile_s_place_and_a_file_in_the_folder_s_are_named(tmp_path):
+    scene = two_materials(exponent=20)
+    (tmp_path / "tiles" / "tile-0-0.npz").mkdir(parents=True)
+    with pytest.raises(ValueError, match="holds tiles of another scene"):
+        rt.render(scene, save=tmp_path / "tiles", progress=False)
+    (tmp_path / "tiles" / "tile-0-0.npz").rmdir()
+    rt.render(scene, save=tmp_path / "tiles", progress=False)
+    (tmp_path / "tiles" / "tile-0-0.npz").unlink()
+    (tmp_path / "tiles" / "tile-0-0.npz").mkdir()
+    with pytest.raises(ValueError, match=r"tile-0-0\.npz: a folder has the name of a tile: remove it"):
+        rt.render(scene, save=tmp_path / "tiles", progress=False)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="file: a file has this name: name a folder for the tiles"):
+        rt.render(scene, save=tmp_path / "file", progress=False)
+
+
 @pytest.mark.parametrize("change", ["exponent", "light", "values", "size"])
 def test_a_folder_of_another_scene_is_refused(tmp_path, change):
     scene = two_materials(exponent=20)
