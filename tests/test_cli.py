@@ -167,7 +167,7 @@ def test_a_full_disk_leaves_no_half_written_file(run, tmp_path, written, monkeyp
 
     monkeypatch.setattr(np, "savez_compressed", full)
     code, out, err = run("render", "first", *SMALL)
-    assert (code, out, err) == (2, "", "symrt: [Errno 28] No space left on device\n")
+    assert (code, out, err) == (2, "", "symrt: first.npz: No space left on device\n")
     assert written(tmp_path) == []
 
 
