@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import apart, parameter_of, scale_of, writable
+from symrt.commands.arguments import parameter_of, scale_of
 from symrt.commands.masks import weights_of
+from symrt.commands.outputs import apart, writable
 from symrt.commands.questions import Question, asking
 from symrt.commands.saying import say
 from symrt.explore.writing import draw, json_text

@@ -8,7 +8,8 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import Kind, apart, bands_of, gamut_of, gamuts_of, palette_of, system_of, writable
+from symrt.commands.arguments import Kind, bands_of, gamut_of, gamuts_of, palette_of, system_of
+from symrt.commands.outputs import apart, writable
 from symrt.commands.questions import Picture, asking
 from symrt.commands.saying import say
 from symrt.explore.writing import draw, json_text

@@ -9,7 +9,8 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import against, apart, formula_of, pairs_of, palette_of, scene_of, system_of, writable
+from symrt.commands.arguments import against, formula_of, pairs_of, palette_of, scene_of, system_of
+from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
 from symrt.explore.writing import json_text
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 import symrt as rt
-from symrt.commands.arguments import alternatives_of, parameter_of, scene_of, size_of, system_of, writable
+from symrt.commands.arguments import alternatives_of, parameter_of, scene_of, size_of, system_of
+from symrt.commands.outputs import writable
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ def system(tmp_path, monkeypatch):
     return Path("a.npz").read_bytes()
 
 
-SHADE = ["shade", "a.npz", "--palettes", "first"]
+SHADE = ["shade", "a.npz", "--palettes", "first", "--palette", "plain"]
 
 
 def test_a_picture_does_not_replace_the_system_it_is_made_of(system, capsys):
@@ -40,13 +40,15 @@ def test_a_picture_or_a_gamut_does_not_replace_another_system(system, capsys):
     assert Path("b.npz").read_bytes() == system
 
 
-def test_the_same_command_may_replace_what_it_wrote(system):
+@pytest.mark.usefixtures("system")
+def test_the_same_command_may_replace_what_it_wrote():
     for _ in range(2):
         assert main([*SHADE, "--out", "b.npz"]) == 0
         assert main([*SHADE, "--out", "b.png"]) == 0
         assert main(["render", "first", "--size", "8", "--out", "a.npz"]) == 0
 
 
+@pytest.mark.usefixtures("system")
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -55,7 +57,7 @@ def test_the_same_command_may_replace_what_it_wrote(system):
         (["--palette-out", "q.toml"], "q.toml holds other palettes, which would be lost: ['cold', 'warm']"),
     ],
 )
-def test_outputs_of_one_name_and_palettes_that_would_be_lost_are_refused(system, capsys, words, said):
+def test_outputs_of_one_name_and_palettes_that_would_be_lost_are_refused(capsys, words, said):
     plain = rt.load_palettes("first")["rgb"]
     rt.save_palettes("p.toml", {"rgb": plain})
     rt.save_palettes("q.toml", {"warm": plain, "cold": plain})
@@ -65,6 +67,7 @@ def test_outputs_of_one_name_and_palettes_that_would_be_lost_are_refused(system,
     assert (Path("q.toml").read_bytes(), Path("p.toml").read_bytes()) == before
 
 
+@pytest.mark.usefixtures("system")
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 @pytest.mark.parametrize(
     "words",
@@ -76,7 +79,7 @@ def test_outputs_of_one_name_and_palettes_that_would_be_lost_are_refused(system,
         ["shade", "a.npz", "--palettes", "PIPE.toml"],
     ],
 )
-def test_nobody_waits_for_a_pipe(system, capsys, words):
+def test_nobody_waits_for_a_pipe(capsys, words):
     for name in ("PIPE.toml", "PIPE.npz", "PIPE.ti3"):
         os.mkfifo(name)
     assert main(words) == 2
