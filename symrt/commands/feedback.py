@@ -42,7 +42,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     from symrt.explore.tables import (  # noqa: PLC0415  # slow, and --help does not need it
         box_record,
         feasible_record,
-        ranges_table,
+        ranges_text,
         region_record,
     )
 
@@ -78,7 +78,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, gamut, seen)
     answers = [feasible_record(one) for one in found]
-    say(json_text(answers) if as_json else "\n\n".join([ranges_table(found), *map(repr, found)]))
+    say(json_text(answers) if as_json else ranges_text(found))
 
 
 @asking(Question)

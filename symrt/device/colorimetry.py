@@ -72,15 +72,15 @@ def tristimulus(bands: Bands, light: str) -> Float[np.ndarray, "band 3"]:
     return matrix
 
 
-def lab(xyz: Float[np.ndarray, "*n 3"], light: str) -> Float[np.ndarray, "*n 3"]:
-    """L*a*b* of colours seen beside a perfect diffuser under a light.
+def lab(xyz: Float[np.ndarray, "*n 3"], light: str | Float[np.ndarray, "3"]) -> Float[np.ndarray, "*n 3"]:
+    """L*a*b* of colours seen beside a perfect diffuser under a light, or beside a white of which the XYZ are given.
 
     Examples
     --------
     >>> lab(np.array([[0.0, 0.0, 0.0]]), "illuminant/D50").tolist()
     [[0.0, 0.0, 0.0]]
     """
-    white = tristimulus(VISIBLE, light).sum(axis=0)
+    white = tristimulus(VISIBLE, light).sum(axis=0) if isinstance(light, str) else light
     ratio = xyz / white
     f = np.where(ratio > KNEE, np.cbrt(ratio), ratio / (3 * (6 / 29) ** 2) + 4 / 29)
     return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], axis=-1)

@@ -1,5 +1,6 @@
 """Answers as records for a program and as tables for a reader (steps 4 and 5 of the paper)."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,9 +11,10 @@ from symrt.device.printing import Device
 from symrt.explore.segments import Segment, Segments
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.joint.boxes import SafeBox
+from symrt.feedback.joint.fitted import Fit
 from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.pixelwise import Mapped
-from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.feedback.reasons import Feasible, Reason, footnote
 from symrt.feedback.sensitivity import Move
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.basis import uniform_first
@@ -20,24 +22,10 @@ from symrt.gamut.files import SavedGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
-from symrt.table import text_table
+from symrt.table import WIDTH, sentences, text_table
 
-__all__ = [
-    "adapted_record",
-    "box_record",
-    "feasible_record",
-    "fit_record",
-    "fits_table",
-    "gamut_facts",
-    "gamut_table",
-    "inside_proves",
-    "mapped_record",
-    "ranges_table",
-    "region_record",
-    "segments_record",
-    "segments_table",
-]
-
+LIGHT = re.compile(r", (illuminant/[^,]+)")
+"""The light in the name of a fact on colours."""
 SHOWN = 8
 """Components whose errors are listed; later ones hardly matter on any device seen."""
 
@@ -76,18 +64,37 @@ def gamut_facts(gamut: SavedGamut) -> dict[str, Any]:
 
 
 def gamut_table(facts: dict[str, Any]) -> str:
-    """The same facts as text, one a line; numbers that belong together stand below each other.
+    """The same facts as text: what takes sentences, short ones one a line, lists of numbers side by side, the source.
 
     Examples
     --------
-    >>> print(gamut_table({"bands": 36, "modelled": True, "components": [1, 2], "rms": [0.125, 0.01]}))
-    bands       36
-    modelled    yes
-    components         1         2
-    rms            0.125      0.01
+    >>> print(gamut_table({"bands": 36, "modelled": True, "components k": [1, 2], "rms": [0.125, 0.01]}))
+    bands     36
+    modelled  yes
+    <BLANKLINE>
+    components k  rms
+    1             0.125
+    2             0.01
     """
-    width = max(len(name) for name in facts)
-    return "\n".join(f"{name:<{width}}  {_shown(value)}".rstrip() for name, value in facts.items())
+    columns = {name: value for name, value in facts.items() if _is_column(value)}
+    texts = {name: _shown(value) for name, value in facts.items() if name not in columns}
+    longest = max(map(len, texts))
+    long = [name for name, text in texts.items() if longest + 2 + len(text) > WIDTH]
+    width = max((len(name) for name in texts if name not in long), default=0)
+    lines = "\n".join(f"{name:<{width}}  {text}".rstrip() for name, text in texts.items() if name not in long)
+    # What all heads have in common stands above them.
+    rows = zip(*([_shown(item) for item in column] for column in columns.values()), strict=True)
+    lights = sorted({found[1] for name in columns if (found := LIGHT.search(name))})
+    above = [f"Of k components, colours under {', '.join(lights)}:"] if lights else []
+    heads = tuple(LIGHT.sub("", name).replace(" of k components", "") for name in columns)
+    table = ["\n".join([*above, text_table(heads, rows)])] if columns else []
+    source = [name for name in long if name == "provenance"]
+    said = [sentences(f"{n}: {texts[n]}" for n in some) for some in ([n for n in long if n not in source], source)]
+    return "\n\n".join(filter(None, [said[0], lines, *table, said[1]]))
+
+
+def _is_column(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and not isinstance(value[0], str)
 
 
 def _device_facts(device: Device) -> dict[str, Any]:
@@ -142,16 +149,27 @@ def feasible_record(found: Feasible) -> dict[str, Any]:
 
 def ranges_table(ranges: Sequence[Feasible]) -> str:
     """Feasible ranges one below the other, each with its verdict and what stops it."""
-    head = ("parameter", "low", "high", "verdict", "pixels outside", "stopped above by", "reflects above 1")
-    return text_table(head, [row for found in ranges for row in _rows(found)], ruled=True)
+    head = ["parameter", "low", "high", "verdict", "outside", "stopped above by", "reflects above 1"]
+    rows = [row for found in ranges for row in _rows(found)]
+    if all(row[-1] == "-" for row in rows):
+        head, rows = head[:-1], [row[:-1] for row in rows]
+    reasons = [above for found in ranges for _, above in found.reasons]
+    return "\n".join([text_table(head, rows, ruled=True), *footnote(reasons)])
+
+
+def ranges_text(ranges: Sequence[Feasible]) -> str:
+    """Feasible ranges as a table and in words; what all were asked against stands once."""
+    alike = len({found.note for found in ranges}) == 1
+    parts = [found.words if alike else repr(found) for found in ranges]
+    return "\n\n".join([ranges_table(ranges), *parts, *([sentences([f"Against {ranges[0].note}."])] if alike else [])])
 
 
 def fits_table(fits: Mapping[str, Fit]) -> str:
     """The scales that each fit chose, side by side, with what stopped them in the last."""
     last = list(fits.values())[-1]
     head = ("scale of", *fits, f"stopped in the {last.objective}")
-    body = [(n, *(f"{f.values[n]:.4g}" for f in fits.values()), str(last.reasons[n])) for n in last.values]
-    return text_table(head, body, ruled=True)
+    body = [(n, *(f"{f.values[n]:.4g}" for f in fits.values()), last.reasons[n].short) for n in last.values]
+    return "\n".join([text_table(head, body, ruled=True), *footnote(last.reasons.values())])
 
 
 def fit_record(found: Fit) -> dict[str, Any]:
@@ -251,10 +269,9 @@ def segments_table(found: Segments) -> str:
     head = ("low", "high", "stopped below by", "stopped above by")
     named = [("scale of", found.scaled), ("blend of, with", found.blended)]
     tables = [text_table((n, *head), map(_segment_row, _spans(some)), ruled=True) for n, some in named if some]
-    facing = (
-        f"Facing {found.light}, exposure {found.exposure:g}; no physical cap. Against {found.gamut.name}: inside is"
-    )
-    return "\n\n".join([*tables, f"{facing} {inside_proves(found.gamut)}."])
+    facing = f"Facing {found.light}, exposure {found.exposure:g}; no physical cap."
+    against = f"Against {found.gamut.name}: inside is {inside_proves(found.gamut)}."
+    return "\n\n".join([*tables, sentences([f"{facing} {against}"])])
 
 
 def segments_record(found: Segments) -> dict[str, Any]:
@@ -275,7 +292,7 @@ def _rows(found: Feasible) -> list[tuple[str, ...]]:
     if found.none_inside or not found.intervals:
         return [(str(found.parameter), "none", "none", found.verdict, left_out, "-", above)]
     return [
-        (str(found.parameter), f"{low:.4g}", f"{high:.4g}", found.verdict, left_out, str(reason[1]), above)
+        (str(found.parameter), f"{low:.4g}", f"{high:.4g}", found.verdict, left_out, reason[1].short, above)
         for (low, high), reason in zip(found.intervals, found.reasons, strict=True)
     ]
 
@@ -323,8 +340,6 @@ def _places(found: Feasible | Fit | SafeBox | JointRegion, pixels: Int[np.ndarra
 def _shown(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, list) and value and not isinstance(value[0], str):
-        return " ".join(f"{_shown(item):>9}" for item in value)
     if isinstance(value, list):
         return ", ".join(_shown(item) for item in value) or "none"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

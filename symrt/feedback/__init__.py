@@ -4,13 +4,14 @@ from symrt.feedback.joint.adapted import Adapted, Criteria, Step
 from symrt.feedback.joint.adapting import adapt
 from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.fits import fit
+from symrt.feedback.joint.fitted import Fit
 from symrt.feedback.joint.freedom import safe_box
 from symrt.feedback.joint.joint_region import joint_region
 from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.pixelwise import Mapped, map_pixels
 from symrt.feedback.ranges import feasible
-from symrt.feedback.reasons import Feasible, Fit, Reason
+from symrt.feedback.reasons import Feasible, Reason
 from symrt.feedback.regions import split, with_region
 from symrt.feedback.report import Report, Verdict, report
 from symrt.feedback.sensitivity import Move, Sensitivity

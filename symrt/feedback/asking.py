@@ -156,7 +156,9 @@ def _solid_met(line: Line, asked: Limits, solid: Solid, pixel: Pixels, t: float)
             band = int(np.abs(away).argmax())
             guess = any(bool(device.extrapolated[band]) for device in solid.gamut.devices)
             side: Literal["upper", "lower"] = "upper" if away[band] > 0 else "lower"
-            reason = Reason(side, band=asked.bands.labels[band], extrapolated=guess, of=solid.gamut.name)
+            several = len(asked.solids) > 1
+            whose = f"{solid.gamut.devices[0].name}'s {solid.gamut.model}" if several else f"the {solid.gamut.model}"
+            reason = Reason(side, band=asked.bands.labels[band], extrapolated=guess, of=whose)
             return CLOSE, Met(reason, solid.shown * away)
     return np.inf, Met(Reason("range"), asked.luminance)
 

@@ -25,6 +25,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
+from symrt.table import sentences
 
 __all__ = ["Mapped", "map_pixels"]
 
@@ -61,7 +62,8 @@ class Mapped:
     seconds: float
 
     def __repr__(self) -> str:
-        return f"{self.share:.1%} of the object pixels moved, by at most {self.moved.max():.3g} RMS: {self.note}"
+        moved = f"{self.share:.1%} of the object pixels moved, by at most {self.moved.max():.3g} RMS"
+        return sentences([f"{moved}: {self.note}"])
 
     def _repr_png_(self) -> bytes | None:
         return self.image._repr_png_()  # a notebook asks for it by this name

@@ -13,10 +13,12 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
+from symrt.device.colorimetry import colour_difference, lab
 from symrt.errors import require_list
 from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.parameters import material_of
 from symrt.feedback.weighing import check_most
+from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
@@ -24,16 +26,14 @@ from symrt.spectra.bands import Bands
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
-from symrt.table import html_table, percent, text_table
-
-__all__ = ["Report", "Verdict", "report"]
+from symrt.table import html_table, percent, sentences, text_table
 
 ASKED = 2000
 """Object pixels that a gamut is asked about, drawn evenly, if the image has more."""
 
 Pixels = Int[np.ndarray, " pixel"]
 Reflectances = Float[np.ndarray, "pixel band"]
-HEAD = ("gamut", "inside", "worst pixel", "violation", "worst band", "what inside proves")
+HEAD = ("gamut", "inside", "worst pixel", "by", "worst band")
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,19 @@ class Verdict:
 
     Parameters
     ----------
+    gamut, short
+        The gamut in words, and what tables call it.
+    label
+        What being inside proves.
     inside
         Share of the pixels asked that are inside.
     worst
         Column and row of the pixel that is farthest outside; None if all are inside.
     violation
         How far that is, in the gamut's own measure.
+    delta_e
+        How far that is in CIEDE2000, where colours are asked: to the nearest reflectance of the gamut, under its
+        viewing light, or beside a monitor's white; None where spectra are asked, or RGB.
     band
         Where that pixel and the nearest reflectance of the gamut differ most.
     materials
@@ -58,10 +65,12 @@ class Verdict:
     """
 
     gamut: str
+    short: str
     label: str
     inside: float
     worst: tuple[int, int] | None
     violation: float
+    delta_e: float | None
     band: str | None
     materials: Mapping[str, float]
     contented: Mapping[str, tuple[float, float]]
@@ -90,42 +99,47 @@ class Report:
         """The verdicts as rows of text."""
         return [
             (
-                v.gamut,
+                v.short,
                 percent(v.inside),
                 "-" if v.worst is None else f"({v.worst[0]}, {v.worst[1]})",
-                "-" if v.worst is None else f"{v.violation:.3g}",
+                "-" if v.worst is None else f"{v.violation:.3g}" if v.delta_e is None else f"{v.delta_e:.3g} ΔE00",
                 v.band or "-",
-                v.label,
             )
             for v in self.verdicts
         ]
 
     @property
     def materials(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-        """For each gamut the share inside of each material's pixels: a head and rows of text."""
+        """For each material the share of its pixels that is inside each gamut: a head and rows of text."""
         names = sorted({name for v in self.verdicts for name in v.materials})
-        rows = [
-            (v.gamut, *(percent(v.materials[n]) if n in v.materials else "-" for n in names)) for v in self.verdicts
-        ]
-        return ("inside, of the pixels that these are seen in", *names), rows
+        rows = [(n, *(percent(v.materials[n]) if n in v.materials else "-" for v in self.verdicts)) for n in names]
+        return ("inside, where seen", *(v.short for v in self.verdicts)), rows
 
     def __repr__(self) -> str:
-        return "\n".join([text_table(HEAD, self.rows), "", text_table(*self.materials), "", *self._sentences()])
+        tables = text_table(HEAD, self.rows), text_table(*self.materials)
+        return "\n".join([tables[0], sentences(self._legend()), "", tables[1], "", sentences(self._sentences())])
+
+    def _legend(self) -> list[str]:
+        """What each short name stands for, once."""
+        return [f"{v.short}: {v.gamut}; inside is {v.label}." for v in self.verdicts]
 
     def _sentences(self) -> list[str]:
         drawn = "" if self.asked == self.objects else ", drawn evenly"
         lines = [f"Asked: {self.asked} of {self.objects} object pixels{drawn}; {self.note}."]
-        for v in self.verdicts:
-            lines += [
-                f"{monitor}, against {v.gamut}: it shows {percent(shown)} of the pixels, which are outside; "
-                f"it cannot show {percent(kept)}, which are inside."
-                for monitor, (shown, kept) in v.contented.items()
-            ]
+        short = {v.gamut: v.short for v in self.verdicts}
+        for monitor in dict.fromkeys(name for v in self.verdicts for name in v.contented):
+            shares = {v.short: v.contented[monitor] for v in self.verdicts if monitor in v.contented}
+            shown = ", ".join(f"{name} {percent(shown)}" for name, (shown, _) in shares.items())
+            kept = ", ".join(f"{name} {percent(kept)}" for name, (_, kept) in shares.items())
+            lines.append(f"The {short[monitor]} shows pixels that are outside: {shown}.")
+            lines.append(f"The {short[monitor]} cannot show pixels that are inside: {kept}.")
         return lines
 
     def _repr_html_(self) -> str:
-        tables = html_table(HEAD, self.rows) + html_table(*self.materials)
-        return tables + "".join(f"<p>{html.escape(line)}</p>" for line in self._sentences())
+        legend, said = (
+            "".join(f"<p>{html.escape(line)}</p>" for line in lines) for lines in (self._legend(), self._sentences())
+        )
+        return html_table(HEAD, self.rows) + legend + html_table(*self.materials) + said
 
 
 def report(
@@ -174,7 +188,8 @@ def report(
     image = _image(system, palette, pixels, white)
     answers = [_answer(gamut.under(white), image) for gamut in gamuts]
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
-    verdicts = tuple(_verdict(answer, image, monitors) for answer in answers)
+    called = _short_names(gamuts)
+    verdicts = tuple(_verdict(answer, image, monitors, short) for answer, short in zip(answers, called, strict=True))
     note = f"reference {reference.called(system, palette)}, exposure {reference.exposure:g}"
     if titles := dict.fromkeys(d.title for gamut in gamuts for d in gamut.devices if d.modelled):
         note += f"; modelled: {', '.join(titles)}"
@@ -221,25 +236,49 @@ def _answer(gamut: ConvexGamut | UnevenGamut, image: _Image) -> _Answer:
     return _Answer(gamut, inside, violation, time.perf_counter() - start)
 
 
-def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndarray, " pixel"]]) -> Verdict:
+def _short_names(gamuts: Sequence[ConvexGamut | UnevenGamut]) -> list[str]:
+    """What tables call the gamuts: each by its model, numbered where there are several of one."""
+    models = [gamut.model for gamut in gamuts]
+    numbers = [models[: k + 1].count(model) for k, model in enumerate(models)]
+    return [name if models.count(name) == 1 else f"{name} {k}" for name, k in zip(models, numbers, strict=True)]
+
+
+def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndarray, " pixel"]], short: str) -> Verdict:
     inside, gamut = answer.inside, answer.gamut
     worst = None if inside.all() else int(answer.violation.argmax())
-    band = None
+    band = delta_e = None
     if worst is not None:
-        away = np.abs(image.seen[worst] - gamut.nearest(image.seen[[worst]])[0])
-        band = image.bands.labels[int(away.argmax())]
+        seen = image.seen[[worst]]
+        nearest = gamut.nearest(seen)
+        band = image.bands.labels[int(np.abs(seen - nearest)[0].argmax())]
+        delta_e = _difference(gamut, seen, nearest)
     others = {} if isinstance(gamut, MonitorGamut) else monitors
     return Verdict(
         gamut=gamut.name,
+        short=short,
         label=gamut.label,
         inside=float(inside.mean()) if inside.size else 1.0,
         worst=None if worst is None else (int(image.places[worst, 0]), int(image.places[worst, 1])),
         violation=float(answer.violation.max(initial=0)),
+        delta_e=delta_e,
         band=band,
         materials={name: float(inside[own].mean()) for name, own in image.materials.items() if own.any()},
         contented={name: (_share(shown & ~inside), _share(~shown & inside)) for name, shown in others.items()},
         seconds=answer.seconds,
     )
+
+
+def _difference(gamut: ConvexGamut | UnevenGamut, seen: Reflectances, nearest: Reflectances) -> float | None:
+    """CIEDE2000 between two reflectances, where a gamut is one of colours; of several the largest."""
+    if isinstance(gamut, ColorimetricGamut):
+        return float(colour_difference(*(lab(one @ gamut.observer, gamut.light) for one in (seen, nearest)))[0])
+    if isinstance(gamut, MonitorGamut) and gamut.bands.kind == "wavelength":
+        primaries = gamut.monitor.primaries
+        shown = (lab(gamut.driven(one) @ primaries.T, primaries.sum(axis=1)) for one in (seen, nearest))
+        return float(colour_difference(*shown)[0])
+    parts = [_difference(part, seen, nearest) for part in getattr(gamut, "parts", ())]
+    found = [part for part in parts if part is not None]
+    return max(found) if found and len(found) == len(parts) else None
 
 
 def _share(pixels: Bool[np.ndarray, " pixel"]) -> float:

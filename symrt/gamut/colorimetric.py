@@ -130,8 +130,8 @@ class ColorimetricGamut(OfPrinter):
     def slabs(self) -> Slabs:
         """The half-spaces of reflectances that the solid's faces are."""
         count = len(self.offsets)
-        whose = f"colours of {self.device.name}'s prints under {self.light}"
-        words = tuple(f"the {side} side of the {whose}" for side in self._sides())
+        whose = f"{self.device.name}'s colours under {self.light.removeprefix('illuminant/')}"
+        words = tuple(f"the {side} side of {whose}" for side in self._sides())
         no = np.zeros(count, dtype=bool)
         outer = self.offsets + WIDER
         return Slabs(self.observer @ self.normals.T, np.full(count, -np.inf), outer, np.full(count, -1), words, no, no)

@@ -95,6 +95,10 @@ class ConvexGamut(Protocol):
     """A convex set of reflectances, and what being inside it proves."""
 
     @property
+    def model(self) -> str:
+        """Which kind of gamut it is, in a word."""
+
+    @property
     def name(self) -> str:
         """The gamut in words."""
 

@@ -103,7 +103,7 @@ def test_materials_of_a_scene_or_a_saved_system_are_segments_that_the_gamut_clip
             assert np.array_equal(inside, (low - 1e-9 <= t) & (t <= high + 1e-9))
         else:
             assert not inside.any()
-    table = run("gamut", "globe", *SMALL, *asked)[1]
+    table = " ".join(run("gamut", "globe", *SMALL, *asked)[1].split())
     assert "stopped above by" in table
     assert "Facing fill, exposure 1.5; no physical cap. Against envelope of dye3-endura-premier" in table
     assert "inside is necessary for a print, not sufficient." in table
@@ -184,3 +184,19 @@ def test_a_chart_measured_in_two_ways_is_asked_in_one(run, tmp_path):
     assert code == 2
     words = ["--size", 16, "--palette", "macbeth", "--device", "chart.mxf+crt-brainard", "--mode", "M0", "--json"]
     assert json.loads(run("feasible", "globe", *words, "--resample", "-p", "scale:brass")[1])[0]["parameter"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["gamut"],
+        ["gamut", "globe", *SMALL, "--palette", "macbeth"],
+        ["feasible", "globe", *SMALL, "--palette", "macbeth", "-p", "scale:brass", "-p", "scale:key", "--no-cap"],
+        ["fit", "globe", *SMALL, "--palette", "macbeth", "-p", "scale:brass", "--no-cap"],
+    ],
+)
+def test_answers_fit_a_terminal_of_80_columns(run, words):
+    code, out, _ = run(*words)
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert out.count("Kodak Professional") <= 1

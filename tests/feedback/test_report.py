@@ -11,6 +11,7 @@ import symrt as rt
 from symrt.device import load_device, load_monitor
 from symrt.feedback import report
 from symrt.gamut import device_gamut, monitor_gamut
+from symrt.spectra.library import colour_science
 from symrt.system import Interaction
 
 
@@ -111,3 +112,30 @@ def test_asking_about_no_pixels_proves_nothing_and_is_refused(asked, most):
         rt.feasible(system, palette, gamuts[2], rt.Exposure(), most=most)
     with pytest.raises(ValueError, match=f"most = {most}"):
         rt.adapt(system, palette, gamuts[2], [], most=most, progress=False)
+
+
+def test_a_report_fits_a_terminal_and_says_each_long_name_once(asked):
+    system, palette, gamuts, *_ = asked
+    twice = [*gamuts, device_gamut(load_device("synthetic-cmyk"), "colorimetric")]
+    said = report(system, palette, twice)
+    assert [verdict.short for verdict in said.verdicts[3:]] == ["colorimetric 1", "monitor", "colorimetric 2"]
+    lines = repr(said).splitlines()
+    assert max(map(len, lines)) <= 80
+    text = " ".join(repr(said).split())
+    for verdict in said.verdicts:
+        assert text.count(verdict.gamut) == said._repr_html_().replace("&#x27;", "'").count(verdict.gamut) == 1
+
+
+def test_where_colours_are_asked_the_worst_pixel_is_told_in_ciede2000(asked):
+    system, palette, gamuts, _, seen = asked
+    colour = colour_science()
+    verdicts = report(system, palette, gamuts).verdicts
+    assert [verdict.delta_e is None for verdict in verdicts] == [True, True, True, False, False]
+    x, y = verdicts[3].worst
+    spectrum = seen[[y * 48 + x]]
+    pair = np.vstack([spectrum, gamuts[3].nearest(spectrum)]) @ gamuts[3].observer
+    d50 = gamuts[3].observer.sum(axis=0)
+    lab = colour.XYZ_to_Lab(pair, colour.XYZ_to_xy(d50))
+    # The white of our bands is theirs, the illuminant's xy, up to what the bands sample: some 1e-3.
+    assert verdicts[3].delta_e == pytest.approx(float(colour.delta_E(lab[0], lab[1], method="CIE 2000")), rel=5e-3)
+    assert f"{verdicts[3].delta_e:.3g} ΔE00" in repr(report(system, palette, gamuts))

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -67,7 +66,7 @@ def ranges_figure(
     text = wrapped(_ranges_words(ranges, asked), 175)
     height = ROW * len(ranges) + caption_height(text) + 1.4
     figure = Drawing(figsize=(12.0, height), facecolor="white")
-    headline(figure, f"Feasible ranges: {gamut.name}")
+    headline(figure, f"Feasible ranges: {gamut.model}")
     foot, body = (caption_height(text) + 0.65) / height, ROW * len(ranges) / height
     bars = figure.add_axes((0.17, foot, 0.36, body))
     _draw_bars(bars, ranges)
@@ -144,8 +143,6 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
     box = axes.get_position()
     reason = found.reasons[-1][1] if found.reasons else None
     left_out = len(found.untouched_outside) + len(found.unfixable)
-    if reason is not None and reason.of in {asked.gamut.name, *(solid.gamut.name for solid in asked.solids)}:
-        reason = replace(reason, of="the gamut")
     words = wrapped("no value keeps it inside" if reason is None else str(reason), 56)
     more = found.verdict + (f", {left_out} of {found.objects} pixels left out" if left_out else "")
     if found.none_inside:

@@ -9,7 +9,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from symrt.explore.plots.panels import picture_panel
 from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, text_width, wrapped
-from symrt.feedback.reasons import Fit
+from symrt.feedback.joint.fitted import Fit
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import preview

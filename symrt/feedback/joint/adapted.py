@@ -10,7 +10,7 @@ from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
-from symrt.table import html_table, percent, text_table
+from symrt.table import html_table, percent, sentences, text_table
 
 ROUNDING = 1e-9
 """Of a figure, that does not decide."""
@@ -177,7 +177,8 @@ class Adapted:
 
     def __repr__(self) -> str:
         table = text_table(HEAD, self.rows)
-        return "\n".join([self._answer(), table, *self._reasons(), f"Against {self.note}; {self.seconds:.2f} s."])
+        rest = sentences([*self._reasons(), f"Against {self.note}; {self.seconds:.2f} s."])
+        return "\n".join([sentences([self._answer()]), table, rest])
 
     def _repr_html_(self) -> str:
         lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._reasons())

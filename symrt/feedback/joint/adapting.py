@@ -19,11 +19,12 @@ from symrt.feedback.joint.acceptance import Goal
 from symrt.feedback.joint.adapted import Adapted, Criteria, Step
 from symrt.feedback.joint.appearance import Appearance, appearance
 from symrt.feedback.joint.fits import fit, symbols_of
+from symrt.feedback.joint.fitted import Fit
 from symrt.feedback.limits import check_kinds, described
 from symrt.feedback.parameters import Exposure, Scale, moved
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
-from symrt.feedback.reasons import Feasible, Fit
+from symrt.feedback.reasons import Feasible
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut, device_gamut

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.feedback.joint.programmes import Optimum
-from symrt.feedback.reasons import Reason, exceptions, work
-from symrt.table import html_table, text_table
+from symrt.feedback.reasons import Reason, exceptions, footnote, work
+from symrt.table import html_table, sentences, text_table
 
 __all__ = ["Box", "SafeBox"]
 
@@ -77,11 +77,13 @@ class SafeBox:
     def table(self) -> list[tuple[str, ...]]:
         """The sides as rows of text: name, ends, and what stops the scale at either."""
         return [
-            (name, f"{low:.4g}", f"{high:.4g}", *map(str, self.reasons[name])) for name, (low, high) in self.box.items()
+            (name, f"{low:.4g}", f"{high:.4g}", *(reason.short for reason in self.reasons[name]))
+            for name, (low, high) in self.box.items()
         ]
 
     def __repr__(self) -> str:
-        return "\n".join([self._answer(), text_table(HEAD, self.table), *self._notes(), f"Against {self.note}."])
+        rest = sentences([*self._notes(), f"Against {self.note}."])
+        return "\n".join([sentences([self._answer()]), text_table(HEAD, self.table), rest])
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<p>{html.escape(line)}</p>" for line in self._notes())
@@ -95,7 +97,8 @@ class SafeBox:
 
     def _notes(self) -> list[str]:
         where = "With all scales at their least, "
-        lines = exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects, where)
+        lines = footnote(reason for pair in self.reasons.values() for reason in pair)
+        lines += exceptions(self.untouched_outside, self.unfixable, self.above_one, self.dark, self.objects, where)
         if self.separate == {}:
             lines.append("Some scale has no value that would do with all others as given.")
         elif self.separate is not None:

@@ -20,11 +20,11 @@ from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
 from symrt.feedback.joint.acceptance import OBJECTIVES, Answer, Goal, answered
 from symrt.feedback.joint.filling import Filled, Task, first_limits
+from symrt.feedback.joint.fitted import Fit
 from symrt.feedback.joint.objectives import Regions
 from symrt.feedback.limits import Bound, Limits, rising_limits
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
-from symrt.feedback.reasons import Fit
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Black, Gamut, device_gamut

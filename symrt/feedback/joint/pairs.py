@@ -11,6 +11,7 @@ from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.parameters import Blend, Parameter
 from symrt.feedback.reasons import Feasible, Reason
 from symrt.spectra.bands import Number
+from symrt.table import sentences
 
 __all__ = ["JointRegion", "given_value"]
 
@@ -100,7 +101,7 @@ class JointRegion:
         return all(any(a <= second <= b for a, b in self.intervals[k]) for k in (before, after))
 
     def __repr__(self) -> str:
-        return "\n".join([*self._lines(), f"Against {self.note}."])
+        return sentences([*self._lines(), f"Against {self.note}."])
 
     def _repr_html_(self) -> str:
         rows = "".join(f"<p>{html.escape(line)}</p>" for line in self._lines())
