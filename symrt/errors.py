@@ -4,9 +4,12 @@ Both sides of the waist are given files and arguments, so this stands at the bot
 """
 
 import difflib
+import inspect
 import re
 import unicodedata
 from collections.abc import Iterable, Sequence
+from functools import wraps
+from typing import TypeVar
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """What lights, materials and textures may be called."""
@@ -16,6 +19,50 @@ SYMBOL = re.compile(rf"{NAME.pattern}(>{NAME.pattern})?\.{NAME.pattern}")
 """What reflectances and parameters are called: ``material.component``, or ``sea>ice.diffuse`` for an alternative."""
 UNSEEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 """Unicode's categories of what controls a terminal, turns or hides letters, ends a line, or is no letter at all."""
+
+
+SYNONYMS = {
+    "center": "centre",
+    "texture": "material",
+    "color": "material",
+    "colour": "material",
+    "fov": "field_of_view",
+    "look_at": "target",
+    "lookat": "target",
+    "origin": "position",
+    "location": "position",
+}
+"""What other programs and other spellings call keys that we have."""
+
+Record = TypeVar("Record", bound=type)
+
+
+def hinting(record: Record) -> Record:
+    """Make a record's class say which keyword was meant, where it is given one that it does not have.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @hinting
+    ... @dataclass(frozen=True)
+    ... class Ball:
+    ...     centre: float
+    >>> Ball(center=1.0)
+    Traceback (most recent call last):
+    TypeError: Ball has no 'center': did you mean 'centre'?
+    """
+    plain = record.__init__  # type: ignore[misc]  # a class's own
+    known = [name for name in inspect.signature(plain).parameters if name != "self"]
+
+    @wraps(plain)
+    def checked(self: object, *values: object, **named: object) -> None:
+        for name in named:
+            if name not in known:
+                raise TypeError(f"{record.__name__} has no {name!r}: {suggestion(name, known)}")
+        plain(self, *values, **named)
+
+    record.__init__ = checked  # type: ignore[misc]
+    return record
 
 
 class SceneError(ValueError):
@@ -141,7 +188,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     "there are 'centre', 'radius'"
     """
     known = list(known)
-    near = difflib.get_close_matches(word[:64], known, n=1)
+    near = [SYNONYMS[word]] if SYNONYMS.get(word) in known else difflib.get_close_matches(word[:64], known, n=1)
     if near:
         return f"did you mean {near[0]!r}?"
     return f"there are {', '.join(map(repr, known))}" if known else "there are none"

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Int
 
+from symrt.errors import hinting
 from symrt.arrays import PerRay, Point
 from symrt.geometry.mesh import rotation, transformed
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
@@ -30,6 +31,7 @@ FACES = {
 REST = "others"
 
 
+@hinting
 @dataclass(frozen=True)
 class Box:
     """A closed box: a block from outside, a room from inside.

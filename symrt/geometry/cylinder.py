@@ -28,6 +28,7 @@ from symrt.arrays import (
     two_product,
     two_sum,
 )
+from symrt.errors import hinting
 from symrt.geometry.planes import flat_surface, plane_axes
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
@@ -37,6 +38,7 @@ __all__ = ["Cylinder"]
 SIDE, BASE, TOP = 0, 1, 2
 
 
+@hinting
 @dataclass(frozen=True)
 class Cylinder:
     """A cylinder from the centre of its base to the centre of its top, closed by discs or, uncapped, an open tube.

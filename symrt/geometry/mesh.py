@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from symrt.errors import hinting
 from symrt.geometry.records import Triple, finite, positive
 from symrt.geometry.triangle_mesh import TriangleMesh
 
@@ -15,6 +16,7 @@ __all__ = ["Mesh", "TriangleMesh", "load_mesh"]
 FORMATS = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 
 
+@hinting
 @dataclass(frozen=True)
 class Mesh:
     """A mesh file and where it stands: ``p' = R (scale p) + translate``, R turning about x, then y, then z (degrees).

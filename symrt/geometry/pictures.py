@@ -13,6 +13,7 @@ from jaxtyping import Float, Int, Shaped
 from PIL import Image
 
 from symrt.disk import ordinary
+from symrt.errors import hinting
 from symrt.geometry.textures import UV, BandedRelief, Checker, Weights, weights
 
 __all__ = ["LabelImage", "WeightImage", "grey_picture", "load_texture"]
@@ -21,6 +22,7 @@ LARGEST_PICTURE = 1 << 26
 """Pixels a picture may have; a larger one is refused from its header, before it is decoded."""
 
 
+@hinting
 @dataclass(frozen=True)
 class LabelImage:
     """A picture whose grey values are indices into `materials`: 0 is the first.
@@ -39,6 +41,7 @@ class LabelImage:
     type: Literal["label_image"] = field(default="label_image", kw_only=True)
 
 
+@hinting
 @dataclass(frozen=True)
 class WeightImage:
     """A picture whose channels are the weights of `materials`, in order, divided by their sum.

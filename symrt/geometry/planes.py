@@ -26,6 +26,7 @@ from symrt.arrays import (
     pair_quotient,
     two_sum,
 )
+from symrt.errors import hinting
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, has_direction, moved, positive
 
@@ -34,6 +35,7 @@ __all__ = ["Column", "Disk", "Plane", "bounded", "flat_surface", "plane_axes", "
 Column = Float[np.ndarray, "3 1"]
 
 
+@hinting
 @dataclass(frozen=True)
 class Plane:
     """An endless plane through `point`; its normal need not be of unit length.
@@ -54,6 +56,7 @@ class Plane:
         has_direction("plane", normal=self.normal)
 
 
+@hinting
 @dataclass(frozen=True)
 class Disk:
     """A flat disc, its edge included.

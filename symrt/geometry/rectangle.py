@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross
+from symrt.errors import hinting
 from symrt.geometry.planes import Column, bounded, flat_surface
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, has_direction, moved
@@ -14,6 +15,7 @@ from symrt.geometry.records import Triple, column, finite, has_direction, moved
 __all__ = ["Rectangle"]
 
 
+@hinting
 @dataclass(frozen=True)
 class Rectangle:
     """A rectangle with full edges and the normal edge_u × edge_v, its border included.

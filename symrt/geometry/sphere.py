@@ -32,12 +32,14 @@ from symrt.arrays import (
     two_product,
     two_sum,
 )
+from symrt.errors import hinting
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
 __all__ = ["Sphere"]
 
 
+@hinting
 @dataclass(frozen=True)
 class Sphere:
     """A sphere.

@@ -11,12 +11,15 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from symrt.errors import hinting
+
 __all__ = ["UV", "BandedRelief", "Checker", "Weights", "elevation", "weights"]
 
 UV = Float[np.ndarray, "2 hit"]
 Weights = Float[np.ndarray, "material hit"]
 
 
+@hinting
 @dataclass(frozen=True)
 class Checker:
     """Squares of `size` scene units: the first material where ``floor(u·extent/size) + floor(v·extent/size)`` is even.
@@ -37,6 +40,7 @@ class Checker:
             raise ValueError(f"texture {self.name}: size = {self.size}: it must be finite and greater than 0")
 
 
+@hinting
 @dataclass(frozen=True)
 class BandedRelief:
     """Elevation bands of the Earth, lowest first, on geographic coordinates as a sphere has them.

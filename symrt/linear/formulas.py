@@ -98,6 +98,8 @@ class Formula:
         }
 
     def __str__(self) -> str:
+        if self.expression == 0:
+            return "0\n  nothing is seen here that light reaches"
         letters = ", ".join(f"{name} = {value:.4g}" for name, value in self.letters.items())
         return self.text() + (f"\n  where {letters}" if letters else "")
 

@@ -6,6 +6,7 @@ order.
 
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
@@ -18,6 +19,7 @@ from threadpoolctl import threadpool_limits
 from tqdm.auto import tqdm
 
 from symrt import __version__
+from symrt.errors import require
 from symrt.linear.collapse import run
 from symrt.linear.matrix import stack_rows
 from symrt.linear.program import Free, Program, Values, make_program
@@ -73,6 +75,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     ('sun',)
     """
     start = time.perf_counter()
+    require("scene", scene, Scene, "a Scene, load_scene(path)")
     stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force)
     program = make_program(stage.materials, values, free)
     windows = tiles(stage.camera.width, stage.camera.height, stage.camera.rays_a_pixel)
@@ -84,6 +87,12 @@ def render(  # noqa: PLR0913  # a public verb names its options
             parts.append(part)
             bar.update()
     system = _merge(stage, program, windows, parts)
+    if not system.G.nnz:
+        warnings.warn(
+            "every pixel is black: the camera sees nothing that light reaches; look at camera.position, camera.target "
+            "and at what probe(scene) meets",
+            stacklevel=2,
+        )
     return replace(system, seconds={**system.seconds, "render": time.perf_counter() - start})
 
 

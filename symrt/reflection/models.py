@@ -17,6 +17,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import sympy
 from sympy import pi
 from sympy.core.function import AppliedUndef
@@ -40,6 +41,10 @@ from symrt.reflection.symbols import (
 
 ZERO = sympy.Integer(0)
 
+DOUBLE = 53
+"""Binary digits of a float."""
+WORDS = {*GEOMETRY, "diffuse", "specular", "mirror"}
+"""What formulas are written in, by the names under which it is imported."""
 LIT = ("direct", "ambient")
 """The formulas that lights meet; the others meet what further rays bring."""
 
@@ -123,6 +128,8 @@ def stack(models: Iterable[Model]) -> Model:
 
 
 def _as_expression(field: str, formula: object) -> sympy.Expr:
+    if isinstance(formula, np.number):
+        formula = float(formula)
     if isinstance(formula, int | float):
         return sympy.Integer(formula) if isinstance(formula, int) else sympy.Float(formula)
     # A string is refused, not parsed: SymPy's parser evaluates what it reads.
@@ -135,8 +142,18 @@ def _check(field: str, formula: sympy.Expr) -> None:
     if unknown := formula.atoms(AppliedUndef, type(sympy.I)):
         shown = ", ".join(sorted(map(str, unknown)))
         raise ValueError(f"{field} = {formula}: {shown} has no real value; write it in functions that SymPy knows")
+    if short := sorted(str(number) for number in formula.atoms(sympy.Float) if number._prec < DOUBLE):  # noqa: SLF001
+        raise ValueError(
+            f"{field} = {formula}: {', '.join(short)} has fewer digits than a float, as NumPy's float32 has, and so "
+            "has what is computed with it: write float(x)"
+        )
     known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")}
     for symbol in sorted(formula.free_symbols, key=str):
+        if type(symbol) is sympy.Symbol and symbol.name in WORDS:
+            raise ValueError(
+                f"{field} = {formula}: {symbol} is a plain symbol of SymPy's: import it, from symrt.reflection import "
+                f"{symbol}"
+            )
         if not isinstance(symbol, Reflectance | Factor | Parameter):
             raise ValueError(  # noqa: TRY004 -- a bad formula is a bad value
                 f"{field} = {formula}: {symbol} is neither a reflectance, a geometric factor nor a parameter; use "

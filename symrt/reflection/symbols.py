@@ -143,6 +143,7 @@ def lobe(cosine: sympy.Expr, exponent: object) -> sympy.Expr:
     """
     if not isinstance(cosine, Factor) or cosine.name not in GEOMETRY:
         raise ValueError(f"lobe({cosine}, …): the first argument is one of the cosines {', '.join(GEOMETRY)}")
+    exponent = float(exponent) if isinstance(exponent, np.number) else exponent
     # A string is refused, not parsed: SymPy's parser evaluates what it reads.
     bound = isinstance(exponent, sympy.Expr) and not exponent.atoms(Factor, Reflectance)
     if not (bound or isinstance(exponent, float | int)):

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from symrt.arrays import Vectors, normalise
-from symrt.errors import refuse, shown
+from symrt.errors import hinting, refuse, shown
 from symrt.geometry.rays import Rays
 from symrt.scene.checks import Number, Triple, check_number, check_triple, check_whole, floats, settle
 
@@ -21,6 +21,7 @@ LARGEST = 32768
 """Pixels on a side: a pixel's number then fits 32 bits."""
 
 
+@hinting
 @dataclass(frozen=True, kw_only=True)
 class Camera:
     """Where the eye is, what it looks at, and the film behind it.

@@ -138,6 +138,8 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
         errors = error.errors(include_url=False, include_input=True)
         # Of a union that nothing fits only one member is reported: a number, or one name for a mesh.
         told = [one for one in errors if one["loc"][-1] not in ("int", "dict[str,str]")]
+        meant = {place for one in told if (place := _meant(tuple(one["loc"]), dict(one))) is not None}
+        told = [one for one in told if one["type"] != "missing" or tuple(one["loc"]) not in meant]
         faults += [line for one in told for line in _lines(tuple(one["loc"]), dict(one))]
         return None, [*faults, *_consistency_faults(tables, folder)]
     try:
@@ -201,11 +203,27 @@ def _texts(pairs: Iterable[tuple[str, Any]]) -> list[tuple[str, str]]:
     return [(key, value) for key, value in pairs if isinstance(value, str)]
 
 
+def _meant(where: tuple[str | int, ...], error: dict[str, Any]) -> tuple[str | int, ...] | None:
+    """The key that an unknown one seems to stand for: it is not missing, too."""
+    if error["type"] not in ("unexpected_keyword_argument", "extra_forbidden"):
+        return None
+    near = re.fullmatch(r"did you mean '(.*)'\?", suggestion(str(where[-1]), _keys(where)))
+    return (*where[:-1], near[1]) if near else None
+
+
+def _keys(where: tuple[str | int, ...]) -> list[str]:
+    """The keys that the table of a key may have."""
+    tag = where[2] if len(where) > 2 and where[0] in KINDS else None
+    record = KINDS[str(where[0])].get(str(tag)) if tag else Camera if where[0] == "camera" else None
+    return [f.name for f in fields(record or Document) if f.name != "name"]
+
+
 def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]:
     """One of pydantic's errors, in our words."""
     tag = where[2] if len(where) > 2 and where[0] in KINDS else None
     known = KINDS.get(str(where[0]), {})
     record = known.get(str(tag)) if tag else Camera if where[0] == "camera" else None
+    keys = _keys(where)
     where = tuple(part for i, part in enumerate(where) if not (i == 2 and tag) and part not in UNION_PARTS)
     key, last = _dotted(where), where[-1]
     if error["type"] == "value_error":
@@ -213,7 +231,6 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
         # Names are reported with their tables, by `name_faults`.
         yield from (_placed(key, line, record) for line in lines if not line.startswith("name = "))
     elif error["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
-        keys = [f.name for f in fields(record or Document) if f.name != "name"]
         yield f"{key}: there is no such key; {suggestion(str(last), keys)}"
     elif error["type"].startswith("union_tag"):
         value = f" = {shown(error['ctx']['tag'])}: there is no such type" if "tag" in error["ctx"] else ": missing"

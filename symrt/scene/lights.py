@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.arrays import length, normalise
-from symrt.errors import refuse
+from symrt.errors import hinting, refuse
 from symrt.scene.checks import Triple, check_name, check_triple, floats, settle
 
 Points = Float[np.ndarray, "3 n"]
@@ -102,6 +102,7 @@ class Answering(Light, Protocol):
         ...
 
 
+@hinting
 @dataclass(frozen=True)
 class PointLight:
     """A light at a point: irradiance I cosθ/d² for the intensity I that its symbol stands for.
@@ -159,6 +160,7 @@ class PointLight:
         return 1 / distance / distance if distance > 0 else float("inf")
 
 
+@hinting
 @dataclass(frozen=True)
 class DirectionalLight:
     """A light infinitely far away: irradiance E cosθ for the irradiance E that its symbol stands for.
@@ -207,6 +209,7 @@ class DirectionalLight:
         return 1.0
 
 
+@hinting
 @dataclass(frozen=True)
 class AmbientLight:
     """Light of equal radiance L from everywhere, unshadowed: a surface of reflectance ρ sends on ρ L.

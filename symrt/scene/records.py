@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symrt.errors import refuse, shown, suggestion
+from symrt.errors import hinting, refuse, shown, suggestion
 from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
@@ -77,6 +77,7 @@ class Material:
         return tuple(f"{self.name}.{component}" for component in sorted(self.reflection.components))
 
 
+@hinting
 @dataclass(frozen=True)
 class Scene:
     """Everything that light meets, and the camera that looks at it.

@@ -27,6 +27,8 @@ from symrt.system import Interaction, LinearSystem, Tail
 Gamma = Float[np.ndarray, "interaction band"]
 Vectors = Float[np.ndarray, "component band"]
 ROWS = 1 << 15
+SMALLEST = float(np.finfo(float).tiny)
+"""Bounds what products lose that underflow."""
 
 
 @runtime_checkable
@@ -76,6 +78,10 @@ def shade(
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     vectors = None if basis is None else _vectors(basis, palette.bands)
     cut_off = None if system.tail is None else tail_bound(system.tail, palette)
+    vanished = _vanished(system.interactions, spectra, palette)
+    if vanished.any():
+        # Products of many reflectances may underflow to 0: what is lost is less than the smallest number, and is told.
+        cut_off = np.maximum(np.zeros(len(vanished)) if cut_off is None else cut_off, np.where(vanished, SMALLEST, 0.0))
     if vectors is not None:
         spectra = spectra @ vectors.T
         cut_off = None if cut_off is None else _in_basis(vectors, cut_off)
@@ -88,6 +94,17 @@ def shade(
         cut_off=cut_off,
         seconds=time.perf_counter() - start,
     )
+
+
+def _vanished(interactions: Sequence[Interaction], spectra: Gamma, palette: Palette) -> Bool[np.ndarray, " band"]:
+    """Bands in which the product of some interaction is 0 although none of its factors is."""
+    vanished = np.zeros(len(palette.bands), dtype=bool)
+    for row in np.flatnonzero((spectra == 0).any(axis=1)).tolist():
+        names = (interactions[row].light, *interactions[row].met)
+        if not interactions[row].nodes and all(name in palette for name in names):
+            factors = np.array([palette[name] for name in names])
+            vanished |= (spectra[row] == 0) & (factors > 0).all(axis=0)
+    return vanished
 
 
 def check_names(system: LinearSystem, palette: Palette) -> None:

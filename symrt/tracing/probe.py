@@ -17,6 +17,7 @@ from symrt.tracing.tracer import trace
 
 __all__ = ["Meeting", "Probe", "probe"]
 
+NOTHING = "The camera sees nothing that light reaches: look at camera.position and camera.target"
 HEAD = ("light", "material", "bounces", "rays that see it", "of these hidden from the light")
 
 
@@ -55,7 +56,7 @@ class Probe:
         return [(m.light, m.material, str(m.bounces), f"{m.share:.1%}", f"{m.hidden:.1%}") for m in self.meetings]
 
     def __str__(self) -> str:
-        return f"{text_table(HEAD, self.rows)}\n{self._effects()}"
+        return f"{text_table(HEAD, self.rows)}\n{self._effects()}" if self.rows else f"{NOTHING}; {self.rays} rays"
 
     def _effects(self) -> str:
         return (

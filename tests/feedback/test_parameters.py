@@ -179,6 +179,9 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
             lambda: rt.map_pixels(system, rt.load_palettes("first"), gamut),
             lambda: rt.adapt(system, palette, gamut, ["red"]),
             lambda: rt.shade(scene, palette),
+            lambda: rt.render("globe"),
+            lambda: rt.trace("globe"),
+            lambda: rt.collapse("globe"),
             lambda: rt.shade(palette, system),
             lambda: rt.preview(system, rt.load_palettes("first")),
             lambda: rt.fit(system, palette, gamut, rt.Scale),
@@ -217,7 +220,8 @@ def test_arguments_in_each_others_place_are_named_with_what_makes_them():
         "system is a Palette",
         "palette is a Palettes",
     ]
-    kinds += ["scale is a str", "system is a Scene", "system is a Palette", "palette is a Palettes"]
+    kinds += ["scale is a str", "system is a Scene", "scene is a str", "scene is a str", "tree is a str"]
+    kinds += ["system is a Palette", "palette is a Palettes"]
     kinds += ["scales is the class", "scales is Scale(name='red'): give", "parameter is the class"]
     kinds += [
         "system is a Scene",

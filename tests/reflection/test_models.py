@@ -154,3 +154,15 @@ def test_a_model_asks_for_the_factors_in_its_formulas_and_no_others():
     assert MODELS["phong"].factors == {"n_dot_l", "one_minus_r_dot_v"}
     assert Model(reflected=mirror * n_dot_v).factors == {"n_dot_v"}
     assert Model(direct=diffuse / pi).factors == frozenset()
+
+
+def test_a_float_of_fewer_digits_is_refused_and_a_number_of_numpy_taken_whole():
+    with pytest.raises(ValueError, match=r"fewer digits than a float, as NumPy's float32 has.*write float\(x\)"):
+        Model(direct=diffuse * n_dot_l * np.float32(0.1) / 3)
+    assert Model(reflected=np.float32(0.1)).reflected == sympy.Float(float(np.float32(0.1)))
+    assert lobe(r_dot_v, np.float32(40)) == lobe(r_dot_v, 40.0)
+
+
+def test_a_plain_symbol_of_a_known_name_is_said_to_be_imported():
+    with pytest.raises(ValueError, match=r"import it, from symrt\.reflection import n_dot_l"):
+        Model(direct=diffuse * sympy.Symbol("n_dot_l"))

@@ -1,6 +1,7 @@
 """Laws of the records: Python's scenes are checked as files are, and a scene that exists can be traced."""
 
 import pickle
+import re
 import subprocess
 import sys
 from dataclasses import FrozenInstanceError, dataclass, replace
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from sympy import pi
 
+import symrt as rt
 import symrt.reflection.models as reflection
 from symrt.geometry import Box, Checker, Mesh, Plane, Rectangle, Sphere, TriangleMesh
 from symrt.reflection.symbols import diffuse, lobe, n_dot_l, parameter, r_dot_v, specular
@@ -190,3 +192,17 @@ def test_the_shipped_globe_names_six_bands_of_elevation_and_every_spectrum_it_ne
     globe = load_scene("globe")
     assert globe.used_materials >= {"deep", "shelf", "lowland", "upland", "mountain", "ice", "brass"}
     assert {f"{name}.diffuse" for name in globe.used_materials} <= set(globe.symbols)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: rt.Sphere(center=(0, 0, 0), radius=1, material="a"), "Sphere has no 'center': did you mean 'centre'"),
+        (lambda: rt.Plane(point=(0, 0, 0), normal=(0, 1, 0), texture="a"), "no 'texture': did you mean 'material'"),
+        (lambda: rt.Camera(positon=(0, 0, 0), target=(0, 0, 1), width=3, height=3), "did you mean 'position'"),
+        (lambda: rt.PointLight("a", (0, 0, 0), intensity=3), "PointLight has no 'intensity': there are 'name'"),
+    ],
+)
+def test_words_that_are_not_ours_and_arguments_of_another_kind_are_named(make, says):
+    with pytest.raises(TypeError, match=re.escape(says)):
+        make()

@@ -123,7 +123,8 @@ def test_a_light_of_ones_own_that_breaks_the_rules_is_named(stretch, falloff, sa
 
 def test_a_light_of_ones_own_has_no_certificate_and_can_be_saved(tmp_path):
     hall = replace(hall_of_mirrors(1), lights=[Spotlight("spot", (0, 1, -0.5))])
-    system = rt.render(hall, progress=False)
+    with pytest.warns(UserWarning, match="every pixel is black: the camera sees nothing that light reaches"):
+        system = rt.render(hall, progress=False)
     rt.save_system(tmp_path / "hall.npz", system)
     palette = rt.Palette(rt.RGB, {s: 0.5 if "." in s else [1.0, 1.0, 0.0] for s in hall.symbols})
     for one in (system, rt.load_system(tmp_path / "hall.npz")):
@@ -380,3 +381,56 @@ def test_a_camera_inside_a_mesh_sees_its_inner_side(tmp_path):
     (tmp_path / "box.obj").write_text("\n".join(lines))
     scene = replace(two_materials(exponent=20), shapes=[rt.Mesh("box.obj", "dull")], folder=tmp_path)
     assert rt.trace(scene).levels[0].sample.size == scene.camera.width * scene.camera.height
+
+
+@pytest.mark.parametrize("depth", [0, 1])
+@pytest.mark.parametrize("name", every_scene())
+def test_at_any_depth_what_is_missing_is_bounded(name, depth):
+    scene = replace(small(name, 24), depth=depth)
+    palette = next(iter(rt.load_palettes(SCENES / f"{name}.toml").values()))
+    cut, deep = (rt.shade(rt.collapse(rt.trace(replace(scene, depth=d))), palette) for d in (depth, 12))
+    missing = (deep.values - cut.values).max(axis=(0, 1))
+    assert np.all(missing <= (0 if cut.cut_off is None else cut.cut_off))
+    if name == "spheres":
+        assert missing.max() > 0
+        assert "cut off" in cut.certificate
+        assert cut.certificate != "nothing cut off"
+
+
+def test_mirrors_at_depth_0_are_left_out_and_bounded():
+    planned = {effect.name: effect for effect in rt.plan(replace(small("spheres", 8), depth=0)).effects}["mirrors"]
+    assert (planned.state, planned.why) == ("left out, bounded", "the depth is 0")
+    assert "chrome" in planned.called_by
+    assert "left out, bounded" in str(rt.plan(replace(small("spheres", 8), depth=0)))
+
+
+def test_a_camera_that_sees_nothing_says_so():
+    away = replace(small("first", 8), camera=camera(8, position=(0, 0, 50), target=(0, 0, 99)))
+    with pytest.warns(UserWarning, match=r"look at camera\.position, camera\.target"):
+        system = rt.render(away, progress=False)
+    assert "nothing is seen here that light reaches" in str(rt.formula(system, 3, 3))
+    assert str(rt.probe(away, rays=64)).startswith("The camera sees nothing that light reaches")
+
+
+@pytest.mark.parametrize("share", [0.02, 1e-3])
+def test_products_of_many_mirrors_that_vanish_are_not_called_nothing(share):
+    # 200 mirrors of 0.02 leave 1e-340, which no float holds: what is lost is bounded, not denied.
+    hall = hall_of_mirrors(200, tilt=0.0)
+    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
+    system = rt.collapse(rt.trace(replace(hall, camera=along)))
+    spectra = {s: share if s.endswith("mirror") else 0.5 if "." in s else 1.0 for s in system.symbols}
+    image = rt.shade(replace(system, tail=None), rt.Palette(rt.RGB, spectra))
+    assert np.all(image.cut_off > 0)
+    assert image.certificate != "nothing cut off"
+
+
+def test_numbers_that_vanish_on_the_way_are_bounded_in_the_tail():
+    # A mirror of a number, not of a symbol: its powers are multiplied while the tree is collapsed.
+    dim = [rt.Material(name, model=rt.Model(**PAINT, reflected=1e-3)) for name in ("front", "back")]
+    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
+    hall = replace(hall_of_mirrors(120, tilt=0.0), materials=dim, camera=along)
+    tree = rt.trace(hall)
+    assert len(tree.levels) == 121
+    tail = rt.collapse(tree).tail
+    assert sorted(set(tail.bound.indices.tolist())) == [0, 1]  # of the lamp, and of the sky
+    assert 0 < tail.bound.data.max() < 1e-300
