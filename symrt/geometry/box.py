@@ -11,8 +11,8 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Int
 
-from symrt.errors import hinting
 from symrt.arrays import PerRay, Point
+from symrt.errors import hinting
 from symrt.geometry.mesh import rotation, transformed
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
