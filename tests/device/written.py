@@ -87,7 +87,7 @@ def cxf_chart(
 
 def i1profiler(joined="place", modes=("M0", "M2"), drive="RGB", extra=""):
     """A chart as i1Profiler exports it: targets with device values, then measurements in each mode, another order."""
-    order = DRAW.permutation(len(SPECTRA))
+    order = np.random.default_rng(1).permutation(len(SPECTRA))
 
     def tags(i):
         tags = {"Page": i // 4, "Row": i % 4, "Column": 7} if joined == "place" else {}
