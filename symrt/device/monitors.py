@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from symrt.device.colorimetry import tristimulus
 from symrt.device.printing import Device
+from symrt.errors import require_plain
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.library import display_primaries
 
@@ -50,6 +51,10 @@ class Monitor:
     primaries: Float[np.ndarray, "3 3"]
     title: str
     provenance: str
+
+    def __post_init__(self) -> None:
+        for what in ("name", "title", "provenance"):
+            require_plain(f"{what} of a device", getattr(self, what))
 
     def on(self, bands: Bands) -> "Monitor":
         """The same monitor for spectra at other wavelengths; its primaries do not depend on them."""

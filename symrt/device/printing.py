@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import Spectrum
+from symrt.errors import require_plain
 from symrt.spectra.bands import Bands, resample
 
 __all__ = ["Device", "Printer", "reflectance"]
@@ -84,6 +85,8 @@ class Device:
     model_error: float = 0.0
 
     def __post_init__(self) -> None:
+        for what in ("name", "title", "provenance"):
+            require_plain(f"{what} of a device", getattr(self, what))
         prints, bands = self.samples.shape
         if bands != len(self.bands) or not prints:
             raise ValueError(f"{self.name}: {prints} samples in {bands} bands for {self.bands!r}: give one row a print")

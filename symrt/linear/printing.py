@@ -242,6 +242,8 @@ def _identifiers(expression: sympy.Expr, taken: set[str]) -> dict[Kind, str]:
     for symbol in sorted(expression.free_symbols, key=lambda s: (s.class_key(), s.name)):
         shown = symbol.name.removeprefix(ONE_MINUS) if isinstance(symbol, Factor) else symbol.name
         name = "".join(c if c.isalnum() and c.isascii() else "_" for c in shown)
+        # No identifier begins with a digit, whatever is put behind it.
+        name = f"x{name}" if name[:1].isdigit() else name
         while name in taken or keyword.iskeyword(name) or not name.isidentifier():
             name += "_" if name else "x"
         taken.add(name)

@@ -16,6 +16,10 @@ import numpy as np
 import sympy
 from jaxtyping import Float
 
+from symrt.errors import plain
+
+ESCAPES = {"\\": r"\backslash ", "~": r"\sim ", "^": r"\hat{}", "<": r"{<}", **{c: f"\\{c}" for c in "_{}$%&#"}}
+"""Characters that LaTeX obeys, and how they are written so that they are seen."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 GEOMETRY = {
@@ -53,7 +57,8 @@ class Kind(sympy.Symbol):
         return 2, 0, cls.rank
 
     def _latex(self, _printer: Any) -> str:
-        material, _, component = self.name.replace("_", r"\_").partition(".")
+        # Names of one's own may hold anything; LaTeX, and MathJax in a notebook, obey none of it.
+        material, _, component = "".join(ESCAPES.get(c, c) for c in plain(self.name)).partition(".")
         return rf"\mathrm{{{material}}}" + (rf"_{{\mathrm{{{component}}}}}" if component else "")
 
 
