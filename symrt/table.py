@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 
+from symrt.errors import plain
+
 Row = Sequence[str]
 WIDTH = 80
 """Columns of a terminal that has not been made wider."""
@@ -26,7 +28,7 @@ def text_table(head: Row, rows: Iterable[Row], *, ruled: bool = False) -> str:
     key    61%
     fill   9%
     """
-    every = [head, *rows]
+    every = [[plain(cell, keep="\n") for cell in row] for row in (head, *rows)]
     widths = _widths(list(zip(*every, strict=True)))
     lines: list[list[str]] = []
     for row in every:

@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 import pytest
+from matplotlib.text import Text
 from scipy import sparse
 
 import symrt as rt
 from symrt.archives import read_archive, write_archive
 from symrt.gamut.files import KIND, load_gamut, save_gamut
 from symrt.system import Interaction, LinearSystem
-from symrt.table import html_table
+from symrt.table import html_table, text_table
 
 CONTROLS = ("a\x1b]0;owned\x07", "a\x9b2J", "a\nb", "a\u202eb", "\x00")
 MARKUP = (r"\href{javascript:alert(1)}{x}", r"$\x$", "<script>", "1", "a b", "")
@@ -50,3 +51,18 @@ def test_a_device_has_no_control_characters_in_its_texts(tmp_path, field, text):
 @pytest.mark.parametrize("name", [*CONTROLS, *MARKUP])
 def test_a_table_of_a_notebook_shows_names_and_obeys_none(name):
     assert "<script>" not in html_table(("name",), [(name,)])
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_a_table_at_a_prompt_shows_control_characters_and_obeys_none(name):
+    assert text_table(("name",), [(name,)]).replace("\n", "").isprintable()
+
+
+@pytest.mark.parametrize("name", [r"$\x$", "$a$", r"\frac{1}{2}", "$$", "x_{y}"])
+def test_an_ink_is_drawn_by_its_name_whatever_that_is(name):
+    device = rt.load_device("dye3-endura-premier", rt.wavelengths(400, 700, 50))
+    named = replace(device, name=name, inks=(name, "m", "y"))
+    for model in ("hull", "colorimetric", "envelope"):
+        figure = rt.plots.body_figure(rt.device_gamut(named, model))
+        assert rt.plots.png(figure)[1:4] == b"PNG"
+        assert any(name in text.get_text() for text in figure.findobj(Text))

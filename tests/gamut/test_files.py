@@ -31,7 +31,7 @@ def measured(draw=3):
     noisy = device.samples[chosen] + random.normal(0, 1e-4, (60, len(BANDS)))
     return Device(
         "chart.ti3", BANDS, noisy, device.amounts[chosen], device.inks, np.zeros(len(BANDS), bool), "60 “prints”",
-        "Ünïcode, a line\nbreak and a \"quote\".", modelled=False,
+        "Ünïcode, a long line and a \"quote\".", modelled=False,
     )  # fmt: skip
 
 

@@ -7,7 +7,19 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import ABOVE, FEASIBLE, HAIR, INK, NAME, Drawing, caption, headline, text_width, wrapped
+from symrt.explore.plots.style import (
+    ABOVE,
+    FEASIBLE,
+    HAIR,
+    INK,
+    NAME,
+    Drawing,
+    caption,
+    headline,
+    literal,
+    text_width,
+    wrapped,
+)
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.pixelwise import Mapped
 from symrt.spectra.display import to_rgb8
@@ -26,6 +38,7 @@ LETTERS = 24
 """In a line of a means."""
 
 
+@literal
 def adapted_figure(
     found: Adapted, system: LinearSystem, palette: Palette, reference: Reference | None = None
 ) -> Drawing:
@@ -73,6 +86,7 @@ def adapted_figure(
     return figure
 
 
+@literal
 def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
     """The picture given, the one whose pixels were moved, and how far each moved.
 

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 
-from symrt.explore.plots.style import ABOVE, BELOW, GREY, HAIR, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import ABOVE, BELOW, GREY, HAIR, Drawing, caption, headline, literal, wrapped
 from symrt.gamut.accuracy import BasisReport
 
 __all__ = ["basis_figure"]
@@ -19,6 +19,7 @@ Errors = Float[np.ndarray, " component"]
 Curve = tuple[str, Errors, Errors]
 
 
+@literal
 def basis_figure(report: BasisReport) -> Drawing:
     """Errors of prints kept to few components, the constant one first or plain, against the number of components.
 

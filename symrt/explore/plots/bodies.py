@@ -9,7 +9,7 @@ from symrt.device.colorimetry import VISIBLE, lab, tristimulus
 from symrt.explore.body import body_of
 from symrt.explore.plots.gamut import device_text, solids_figure
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
-from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, literal, wrapped
 from symrt.explore.solid import View
 from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.gamuts import AnyGamut
@@ -31,6 +31,7 @@ CHROMAS = (40, 80, 120)
 Colours = Float[np.ndarray, "point 3"]
 
 
+@literal
 def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
     """A gamut in two panels, whatever its model.
 
@@ -57,6 +58,7 @@ def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
     raise ValueError(f"{gamut.name}: there is no figure of it; draw the gamuts that it is made of")
 
 
+@literal
 def intersection_figure(gamut: SlabIntersection) -> Drawing:
     """The shadow of what lies within the bounds of several devices, and that of the first of them alone."""
     first = gamut.devices[0]
@@ -73,6 +75,7 @@ def intersection_figure(gamut: SlabIntersection) -> Drawing:
     return figure
 
 
+@literal
 def prints_figure(gamut: HullGamut | InkGamut) -> Drawing:
     """The prints of a device in three components, alone and in the shadow of its envelope."""
     device = gamut.device
@@ -101,6 +104,7 @@ def prints_figure(gamut: HullGamut | InkGamut) -> Drawing:
     return figure
 
 
+@literal
 def colours_figure(gamut: ColorimetricGamut | MonitorGamut) -> Drawing:
     """The solid of colours that a device shows, in L*a*b* from the side and from above.
 

@@ -23,6 +23,7 @@ from symrt.explore.plots.style import (
     caption,
     caption_height,
     headline,
+    literal,
     wrapped,
 )
 from symrt.feedback.along import along_ends
@@ -54,6 +55,7 @@ LEAST = 0.01
 """Where the logarithmic axis of ranges from 0 begins."""
 
 
+@literal
 def ranges_figure(
     ranges: Sequence[Feasible],
     system: LinearSystem,
@@ -195,6 +197,7 @@ def out_of_gamut_map(
     return figure
 
 
+@literal
 def curve_figure(found: Feasible) -> Drawing:
     """The share of pixels outside the gamut against the value of a parameter, and the range that keeps it allowed."""
     text = wrapped(f"{_curve_words(found)} Against {found.note}.", 115)

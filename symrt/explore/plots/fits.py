@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, text_width, wrapped
+from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, literal, text_width, wrapped
 from symrt.feedback.joint.fitted import Fit
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
@@ -23,6 +23,7 @@ LETTERS = 46
 """In a line of a reason."""
 
 
+@literal
 def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
     """The picture given and the one that was fitted, against the same white, and the factor of every scale.
 

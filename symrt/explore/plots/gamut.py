@@ -18,7 +18,18 @@ from matplotlib.lines import Line2D
 from symrt.device.printing import Device
 from symrt.explore.body import body_of
 from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
-from symrt.explore.plots.style import GREY, HAIR, INK, NAME, Drawing, caption, caption_height, headline, wrapped
+from symrt.explore.plots.style import (
+    GREY,
+    HAIR,
+    INK,
+    NAME,
+    Drawing,
+    caption,
+    caption_height,
+    headline,
+    literal,
+    wrapped,
+)
 from symrt.explore.segments import Segment, Segments, Span, segments_of
 from symrt.explore.solid import View, facets, spread
 from symrt.explore.tables import inside_proves
@@ -42,6 +53,7 @@ Points = Float[np.ndarray, "point 2"]
 Place = tuple[float, float]
 
 
+@literal
 def gamut_figure(
     gamut: AnyGamut | AnyIntersection,
     palette: Palette,
@@ -83,6 +95,7 @@ def gamut_figure(
     return segments_figure(found, components)
 
 
+@literal
 def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2)) -> Drawing:
     """Segments that have been found already, in three components: see `gamut_figure`.
 
@@ -119,6 +132,7 @@ def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2
     return figure
 
 
+@literal
 def solids_figure(gamut: Gamut) -> Drawing:
     """A gamut in three components: its shadow, which covers all of it, and its slice, where the others are zero.
 

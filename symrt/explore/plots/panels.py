@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from symrt.explore.plots.style import HAIR, INK, NAME
+from symrt.explore.plots.style import HAIR, INK, NAME, component
 from symrt.explore.solid import Facet, View, facets, facing, outline
 from symrt.gamut.views import Polyhedron
 
@@ -89,14 +89,14 @@ def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> N
     text: dict[str, Any] = {"textcoords": "offset points", "color": INK, "zorder": 7}
     for tick, point in zip(ticks, points[1:-1], strict=True):
         axes.annotate(str(tick), point, (-7, 0), ha="right", va="center", fontsize=7.5, **text)
-    name = f"$c_{{{paper.components[0]}}}$" + (", neutral" if paper.components[0] == 0 else "")
+    name = component(paper.components[0]) + (", neutral" if paper.components[0] == 0 else "")
     axes.annotate(name, points[-1], (0, 6), ha="center", fontsize=9, **text | NAME | {"zorder": 9})
 
 
 def draw_directions(axes: Axes, paper: Paper) -> None:
     """One unit along each coordinate."""
     tips = paper.view.project(np.eye(3))
-    for name, tip in zip((f"$c_{{{i}}}$" for i in paper.components), tips, strict=True):
+    for name, tip in zip(map(component, paper.components), tips, strict=True):
         arrow = {"arrowstyle": "-|>,head_width=.15,head_length=.3", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", tip, (0, 0), arrowprops=arrow)
         axes.annotate(name, 1.25 * tip, ha="center", va="center", fontsize=8, color=INK)

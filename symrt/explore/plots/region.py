@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
-from symrt.explore.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, wrapped
+from symrt.explore.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, literal, wrapped
 from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.reasons import Reason
 from symrt.spectra.palette import Palette
@@ -47,6 +47,7 @@ class Stop:
     length: float
 
 
+@literal
 def joint_region_figure(
     found: JointRegion, system: LinearSystem, palette: Palette, reference: Reference | None = None
 ) -> Drawing:

@@ -1,9 +1,12 @@
 """What all figures share: ink, captions, and a figure as a file."""
 
 import textwrap
+from collections.abc import Callable
+from functools import wraps
 from io import BytesIO
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.patheffects import withStroke
@@ -23,7 +26,9 @@ __all__ = [
     "Drawing",
     "caption",
     "caption_height",
+    "component",
     "headline",
+    "literal",
     "png",
     "text_width",
     "wrapped",
@@ -34,6 +39,31 @@ ABOVE, BELOW, FEASIBLE = "#D55E00", "#0072B2", "#009E73"
 """Vermilion, blue and bluish green of Okabe and Ito's set, which colour-blind readers can tell apart."""
 NAME: dict[str, Any] = {"color": INK, "zorder": 8, "path_effects": [withStroke(linewidth=2.5, foreground="white")]}
 """How a name is written over lines: with a white rim."""
+
+
+Made = Callable[..., "Drawing"]
+
+
+def literal(draw: Made) -> Made:
+    """Make a function draw all names as they are written: a ``$`` in an ink's name begins no formula."""
+
+    @wraps(draw)
+    def drawn(*given: Any, **named: Any) -> "Drawing":
+        with rc_context({"text.parse_math": False}):
+            return draw(*given, **named)
+
+    return drawn
+
+
+def component(number: int) -> str:
+    """The letter of a component, with its number below the line.
+
+    Examples
+    --------
+    >>> component(12)
+    'c₁₂'
+    """
+    return "c" + str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
 
 
 class Drawing(Figure):
