@@ -52,12 +52,23 @@ def rendered(case: dict) -> rt.LinearSystem:
     return rt.render(scene, free=case.get("free", ()), alternatives=case.get("alternatives"), progress=False)
 
 
+def formula_hash(case: dict) -> str:
+    """Every pixel of a small picture with its geometry in letters, to the last digit."""
+    tree = rt.trace(small(case["name"], 16, case.get("samples", 1)), alternatives=case.get("alternatives"))
+    digest = hashlib.sha256()
+    for formula in rt.expressions(tree):
+        values = {name: float(value).hex() for name, value in sorted(formula.values.items())}
+        digest.update(f"{formula.text(digits=17)}; {values}; ".encode())
+    return digest.hexdigest()
+
+
 def record(case: dict) -> dict:
     """What is kept of a case: hashes, and the sum of each column for other processors."""
     system = rendered(case)
     return {
         "G": matrix_hash(system.G, system.interactions),
         "tail": matrix_hash(system.tail.bound, system.tail.interactions),
+        "formulas": formula_hash(case),
         "columns": [str(interaction) for interaction in system.interactions],
         "sums": [float(total) for total in system.G.sum(axis=0)],
         "tail sums": [float(total) for total in system.tail.bound.sum(axis=0)],
@@ -72,7 +83,7 @@ def test_a_change_of_form_moves_no_bit(name):
     np.testing.assert_allclose(now["sums"], before["sums"], rtol=1e-12)
     np.testing.assert_allclose(now["tail sums"], before["tail sums"], rtol=1e-12)
     if canary() == kept["canary"]:
-        assert (now["G"], now["tail"]) == (before["G"], before["tail"])
+        assert (now["G"], now["tail"], now["formulas"]) == (before["G"], before["tail"], before["formulas"])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The SymPy expression of one pixel, built from the tree that the numbers came from (step 1).
 
-A hit sends on ``Σ weight · (Σ light · irradiance · visible · direct + Σ light · ambient + reflected · next hit)``.
+A hit sends on ``Σ weight · (Σ light · irradiance · visible · direct + Σ light · ambient + Σ formula · next hit)``, the
+last sum over the rays that it sends on, each by one formula of its material.
 """
 
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ import numpy as np
 import sympy
 
 from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance
-from symrt.tracing.raytree import Lit, Points, RayTree
+from symrt.tracing.raytree import Branch, Lit, Points, RayTree
 
 DEEPEST = 65
 """Levels of a tree whose pixels are written in letters: each is nested in the one before, and printing recurses."""
@@ -34,6 +35,30 @@ class Letters:
         return Factor(name)
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where in a tree a letter belongs: the film sample, how many rays deep, and by which branches.
+
+    Parameters
+    ----------
+    trail
+        A mark for each ray where a hit sends on several, ``rt`` for a reflected and then a transmitted one; empty
+        where there is no choice.
+    """
+
+    depth: int = 0
+    trail: str = ""
+    sample: str = ""
+
+    def __str__(self) -> str:
+        here = f"{self.depth + 1}{self.trail}" if self.depth else ""
+        return "_".join(part for part in (here, self.sample) if part)
+
+    def beyond(self, mark: str) -> "Place":
+        """The place one ray further."""
+        return Place(self.depth + 1, self.trail + mark, self.sample)
+
+
 def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, float]]:
     """Radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
     if len(tree.levels) > DEEPEST:
@@ -44,66 +69,108 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
     letters = Letters()
     if not tree.levels:
         return sympy.Integer(0), {}
+
+    # Each of the pixel's film samples that met something.
     samples = np.flatnonzero(tree.film.pixel == pixel)
-    squared = samples.size
-    hits = np.flatnonzero(tree.film.pixel[tree.levels[0].sample] == pixel)
+    weights = tree.film.weight[samples]
     radiances = []
-    for hit in hits:
-        sample = int(tree.levels[0].sample[hit]) - int(samples[0])
-        radiances.append(_radiance(tree, 0, int(hit), f"s{sample}" if squared > 1 else "", letters))
-    return sympy.Add(*radiances) / squared, letters.values
+    for hit in np.flatnonzero(tree.film.pixel[tree.levels[0].sample] == pixel):
+        which = int(tree.levels[0].sample[hit]) - int(samples[0])
+        place = Place(sample=f"s{which}" if samples.size > 1 else "")
+        radiances.append((which, _radiance(tree, int(hit), place, letters)))
+
+    # Samples that count alike are averaged; others come with their weights.
+    if np.all(weights == 1 / samples.size):
+        return sympy.Add(*(radiance for _, radiance in radiances)) / samples.size, letters.values
+    return sympy.Add(*(number(weights[k]) * radiance for k, radiance in radiances)), letters.values
 
 
-def _radiance(tree: RayTree, depth: int, hit: int, sample: str, letters: Letters) -> sympy.Expr:
-    level = tree.levels[depth]
-    place = "_".join(part for part in (str(depth + 1) if depth else "", sample) if part)
+def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.Expr:
+    """What comes from a hit: by each of its materials, and what lights send by themselves."""
+    level = tree.levels[place.depth]
     total = []
     for points in level.points:
         for point in np.flatnonzero(points.hit == hit):
-            weight = float(points.weight[point])
-            share = letters.letter(f"weight_{points.material.replace('>', '_')}", place, weight) if weight != 1 else 1
-            total.append(share * _sent(tree, depth, points, int(point), sample, place, letters))
+            weight, name = float(points.weight[point]), points.material.replace(">", "_")
+            share = letters.letter(f"weight_{name}", str(place), weight) if weight != 1 else 1
+            total.append(share * _sent(tree, points, int(point), place, letters))
+    total += [
+        Light(emitted.light) * letters.letter("radiance", str(place), emitted.radiance[k])
+        for emitted in level.emitted
+        for k in np.flatnonzero(emitted.hit == hit)
+    ]
     return sympy.Add(*total)
 
 
-def _sent(
-    tree: RayTree, depth: int, points: Points, point: int, sample: str, place: str, letters: Letters
-) -> sympy.Expr:
+def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:
     """What one material sends to the viewer from one point."""
     bound = _bindings(tree, points)
-    view = {Factor(k): letters.letter(k, place, values[point]) for k, values in points.view.items()}
+    view = {Factor(k): letters.letter(k, str(place), values[point]) for k, values in points.view.items()}
     formulas = tree.materials[points.material].model.formulas
+
+    # The light that arrives at it.
     total = [
-        light * factor * formulas["direct"].xreplace(bound | view | at_light)
+        light * factor * formulas[lit.via].xreplace(bound | view | at_light)
         for lit in points.lit
-        if lit.via == "direct"
-        for light, factor, at_light in _arriving(tree, lit, point, place, letters)
+        for light, factor, at_light in _arriving(tree, points, lit, point, place, letters)
     ]
-    total += [
-        Light(light) * formulas["ambient"].xreplace(bound | view)
-        for light, record in tree.lights.items()
-        if record.via == "ambient"
-    ]
-    below = _child(tree, depth, int(points.hit[point])) if formulas["reflected"] != 0 else None
-    if below is not None:
-        total.append(formulas["reflected"].xreplace(bound | view) * _radiance(tree, depth + 1, below, sample, letters))
+
+    # What further rays bring.
+    for mark, branch, ray, below in _rays(tree, place.depth, int(points.hit[point])):
+        formula = formulas[branch.via]
+        if formula != 0:
+            beyond = place.beyond(mark)
+            own = {Factor(k): letters.letter(k, str(beyond), values[ray]) for k, values in branch.factors.items()}
+            weight = float(branch.weight[ray])
+            share = letters.letter("weight", str(beyond), weight) if weight != 1 else 1
+            total.append(share * formula.xreplace(bound | view | own) * _radiance(tree, below, beyond, letters))
     return sympy.Add(*total)
+
+
+def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, int]]:
+    """The rays that a hit sends on: a mark, the branch, the ray in it, and the hit on the level below that it met.
+
+    Where the whole level has one branch and every hit sends one ray at most, there is nothing to tell apart.
+    """
+    if depth + 1 >= len(tree.levels):
+        return []
+    branches = tree.levels[depth + 1].branches
+    alone = len(branches) == 1 and np.unique(branches[0].parent).size == branches[0].size
+    found, first = [], 0
+    for k, branch in enumerate(branches):
+        like = [other for other in branches if other.via[0] == branch.via[0]]
+        mark = branch.via[0]
+        if len(like) > 1:
+            mark += str(1 + sum(other.via[0] == mark for other in branches[:k]))
+        rays = np.flatnonzero(branch.parent == hit).tolist()
+        for which, ray in enumerate(rays, start=1):
+            several = f"{mark}{which}" if len(rays) > 1 else mark
+            found.append(("" if alone else several, branch, ray, first + ray))
+        first += branch.size
+    return found
 
 
 def _arriving(
-    tree: RayTree, lit: Lit, point: int, place: str, letters: Letters
+    tree: RayTree, points: Points, lit: Lit, point: int, place: Place, letters: Letters
 ) -> list[tuple[Light, sympy.Expr, dict[sympy.Expr, sympy.Expr]]]:
     """The light, what of it arrives, and its cosines; nothing where it is behind the surface."""
     found = np.flatnonzero(lit.point == point)
     if not found.size:
         return []
+    if lit.via == "ambient":
+        return [(Light(lit.light), sympy.Integer(1), {})]
     k = int(found[0])
+
+    # A light alone needs no name, and one that reaches the point once no number.
     several = sum(light.via == "direct" for light in tree.lights.values()) > 1
-    where = "_".join(part for part in (lit.light if several else "", place) if part)
+    samples = [other for other in points.lit if other.light == lit.light]
+    numbered = f"l{[other is lit for other in samples].index(True) + 1}" if len(samples) > 1 else ""
+    where = "_".join(part for part in (lit.light if several else "", numbered, str(place)) if part)
+
     arriving = sympy.Integer(1)
     if lit.irradiance[k] != 1:
         arriving *= letters.letter("irradiance", where, lit.irradiance[k])
-    if tree.rays.get("shadows"):
+    if "shadows" in tree.plan:
         arriving *= letters.letter("visible", where, lit.visible[k])
     cosines = {Factor(name): letters.letter(name, where, values[k]) for name, values in lit.factors.items()}
     return [(Light(lit.light), arriving, cosines)]
@@ -119,10 +186,3 @@ def number(value: float) -> sympy.Expr:
     """A float as SymPy's own, whole ones as integers: 60, not 60.0; the value is the same."""
     value = float(value)
     return sympy.Integer(int(value)) if value.is_integer() else sympy.Float(value)
-
-
-def _child(tree: RayTree, depth: int, hit: int) -> int | None:
-    if depth + 1 >= len(tree.levels):
-        return None
-    found = np.flatnonzero(tree.levels[depth + 1].branches[0].parent == hit)
-    return int(found[0]) if found.size else None

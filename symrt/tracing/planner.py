@@ -94,21 +94,29 @@ def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
 
 @dataclass(frozen=True, eq=False)
 class AtWork:
-    """The effects of a plan with what they do, those that it simulates and those that it leaves out and bounds."""
+    """The effects of a plan with what they do.
+
+    Parameters
+    ----------
+    simulated, bounded
+        Those that the plan simulates, and those that it leaves out and bounds; no others are ever asked.
+    left_out
+        Names of those that are left out.
+    """
 
     simulated: tuple[Effect, ...]
     bounded: tuple[Effect, ...]
-
-    @property
-    def left_out(self) -> frozenset[str]:
-        """Names of those that are left out."""
-        return frozenset(effect.name for effect in self.bounded)
+    left_out: frozenset[str]
 
 
 def at_work(chosen: Plan) -> AtWork:
     """Look the effects of a plan up in the list; a plan itself holds words only, so that it can be sent and kept."""
     by_name = {effect.name: effect for effect in effects.EFFECTS}
-    return AtWork(
-        simulated=tuple(by_name[effect.name] for effect in chosen.effects if effect.simulated),
-        bounded=tuple(by_name[effect.name] for effect in chosen.effects if effect.name in chosen.left_out),
-    )
+    simulated, bounded, left_out = [], [], []
+    for planned in chosen.effects:
+        if planned.state == "simulated":
+            simulated.append(by_name[planned.name])
+        elif planned.state == "left out, bounded":
+            bounded.append(by_name[planned.name])
+            left_out.append(planned.name)
+    return AtWork(tuple(simulated), tuple(bounded), frozenset(left_out))

@@ -99,4 +99,4 @@ class Effect:
     arriving: Callable[[Stage, View, Hits, Vectors, PerHit, Counter[str]], PerHit] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
-    state: Mapping[str, float] = field(default_factory=dict)
+    state: Mapping[str, float | int] = field(default_factory=dict)

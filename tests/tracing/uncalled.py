@@ -1,0 +1,66 @@
+"""What effects cost that nothing calls for, as JSON: run by `test_branches` where nothing else watches calls or memory."""
+
+import gc
+import json
+import sys
+import tracemalloc
+
+import numpy as np
+from scenes_for_tests import every_scene, small
+
+from symrt.linear.collapse import run
+from symrt.linear.program import make_program
+from symrt.tracing import effects
+from symrt.tracing.planner import plan
+from symrt.tracing.stage import make_stage
+from symrt.tracing.tracer import trace_window
+
+WHOLE = effects.EFFECTS
+
+
+def traced(scene, listed):
+    """A scene traced and collapsed with a list of effects: the tree, the system, calls, and peak bytes."""
+    effects.EFFECTS = listed
+    stage, chosen = make_stage(scene), plan(scene)
+    program = make_program(stage.materials)
+    run(program, trace_window(stage, chosen))  # what is made once is made
+
+    calls = 0
+
+    def count(_frame, event, _argument):
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    gc.collect()
+    gc.disable()
+    sys.setprofile(count)
+    tree = trace_window(stage, chosen)
+    system = run(program, tree)
+    sys.setprofile(None)
+    tracemalloc.start()
+    run(program, trace_window(stage, chosen))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    gc.enable()
+    return tree, system, calls, peak
+
+
+def compared(scene):
+    """The whole list against those effects that the plan simulates."""
+    effects.EFFECTS = WHOLE
+    kept = tuple(effect for effect in WHOLE if effect.name in plan(scene))
+    cut, whole = traced(scene, kept), traced(scene, WHOLE)
+    matrices = [(whole[1].G, cut[1].G), (whole[1].tail.bound, cut[1].tail.bound)]
+    parts = ("data", "indices", "indptr")
+    return {
+        "same bits": all(np.array_equal(getattr(a, part), getattr(b, part)) for a, b in matrices for part in parts),
+        "same rays": dict(whole[0].rays) == dict(cut[0].rays)
+        and set(whole[0].rays) <= {"camera", *(effect.name for effect in kept)},
+        "more calls": whole[2] - cut[2],
+        "more bytes": whole[3] - cut[3],
+        "left aside": len(WHOLE) - len(kept),
+    }
+
+
+if __name__ == "__main__":
+    print(json.dumps({name: [compared(small(name, size)) for size in (32, 96)] for name in every_scene()}))  # noqa: T201  # it is a script
