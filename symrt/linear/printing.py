@@ -4,9 +4,11 @@ Full float64 stays inside and in Python code; digits are dropped in text and LaT
 """
 
 import keyword
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import sympy
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
@@ -194,8 +196,33 @@ def sizes_of(terms: Sequence[sympy.Expr], values: Values) -> list[float]:
     >>> sizes_of([3 * Light("sun"), Light("sky") * n_dot_l], {"n_dot_l": 0.5})
     [3.0, 0.5]
     """
-    leaves = {s: float(values.get(s.name, 1.0)) for term in terms for s in term.free_symbols}
-    return evaluated(terms, leaves)
+    known: dict[sympy.Expr, float] = {}
+    return [_size(term, values, known) for term in terms]
+
+
+def _size(expression: sympy.Expr, values: Values, known: dict[sympy.Expr, float]) -> float:
+    """The size of an expression, from those of its parts, which are kept: formulas nest as deep as mirrors do."""
+    found = known.get(expression)
+    if found is not None:
+        return found
+    parts = [_size(part, values, known) for part in expression.args]
+    with np.errstate(all="ignore"):
+        if isinstance(expression, sympy.Symbol):
+            found = float(values.get(expression.name, 1.0))
+        elif expression.is_number:
+            found = float(expression)
+        elif expression.is_Add:
+            found = math.fsum(parts)
+        elif expression.is_Mul:
+            found = math.prod(parts)
+        elif expression.is_Pow:
+            found = float(np.float64(parts[0]) ** parts[1])
+        elif isinstance(expression, Lobe):
+            found = lobe_value(*parts)
+        else:  # a function of a user's own
+            found = float(expression.func(*map(sympy.Float, parts)).evalf())
+    known[expression] = found
+    return found
 
 
 def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -> list[Any]:

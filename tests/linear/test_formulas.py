@@ -277,8 +277,9 @@ def test_a_formula_of_5000_terms_compiles_and_is_evaluated():
     g = random.uniform(0.1, 1, 5000)
     pixel = sun_on(*((value, f"m{k}") for k, value in enumerate(g)))
     namespace: dict = {}
-    exec(pixel.code(), namespace)
-    assert "math.fsum((" in pixel.code()
+    code = pixel.code()
+    exec(code, namespace)
+    assert "math.fsum((" in code
     spectra = dict.fromkeys(pixel.symbols, 0.5)
     true = math.fsum(0.25 * g)
     assert namespace["pixel"](*[0.5] * 5001) == pytest.approx(true, rel=1e-15)

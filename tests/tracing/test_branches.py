@@ -222,8 +222,8 @@ def test_what_cannot_be_forced_says_why():
 
 
 def test_an_effect_that_nothing_calls_for_costs_nothing():
-    # In a process of its own, where nothing watches types: bits, rays, calls of Python and of C, and peak bytes with the
-    # whole list of effects and with the list cut down to the plan.
+    # In a process of its own, where nothing watches types: bits, rays, calls of Python and of C, and peak bytes, with
+    # the whole list of effects and with the list cut down to the plan.
     home = os.environ | {
         "PYTHONPATH": os.pathsep.join(map(str, (Path(rt.__file__).parents[1], Path(__file__).parents[1])))
     }

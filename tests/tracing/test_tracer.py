@@ -412,13 +412,12 @@ def test_a_camera_that_sees_nothing_says_so():
     assert str(rt.probe(away, rays=64)).startswith("The camera sees nothing that light reaches")
 
 
-@pytest.mark.parametrize("share", [0.02, 1e-3])
-def test_products_of_many_mirrors_that_vanish_are_not_called_nothing(share):
+def test_products_of_many_mirrors_that_vanish_are_not_called_nothing():
     # 200 mirrors of 0.02 leave 1e-340, which no float holds: what is lost is bounded, not denied.
     hall = hall_of_mirrors(200, tilt=0.0)
-    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
+    along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=1, height=1, field_of_view=0.2)
     system = rt.collapse(rt.trace(replace(hall, camera=along)))
-    spectra = {s: share if s.endswith("mirror") else 0.5 if "." in s else 1.0 for s in system.symbols}
+    spectra = {s: 0.02 if s.endswith("mirror") else 0.5 if "." in s else 1.0 for s in system.symbols}
     image = rt.shade(replace(system, tail=None), rt.Palette(rt.RGB, spectra))
     assert np.all(image.cut_off > 0)
     assert image.certificate != "nothing cut off"

@@ -1,4 +1,4 @@
-"""What effects cost that nothing calls for, as JSON: run by `test_branches` where nothing else watches calls or memory."""
+"""The cost of effects that nothing calls for, as JSON: run by `test_branches` where nothing else watches calls."""
 
 import gc
 import json
