@@ -48,6 +48,19 @@ def test_a_device_has_no_control_characters_in_its_texts(tmp_path, field, text):
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize("text", CONTROLS)
+def test_an_ink_has_no_control_characters_in_its_name(tmp_path, text):
+    printer = rt.load_device("dye3-endura-premier", rt.wavelengths(400, 700, 100))
+    with pytest.raises(ValueError, match=r"an ink's name is .*: no control characters"):
+        replace(printer, inks=(text, "m", "y"))
+    save_gamut(tmp_path / "a.npz", rt.device_gamut(printer, "envelope"))
+    arrays, header = read_archive(tmp_path / "a.npz", KIND)
+    header["devices"][0]["inks"][0] = text
+    write_archive(tmp_path / "b.npz", KIND, {key: header[key] for key in ("devices", "gamuts")}, arrays)
+    with pytest.raises(ValueError, match=r"b\.npz: not a whole symrt gamut .*no control characters"):
+        load_gamut(tmp_path / "b.npz")
+
+
 @pytest.mark.parametrize("name", [*CONTROLS, *MARKUP])
 def test_a_table_of_a_notebook_shows_names_and_obeys_none(name):
     assert "<script>" not in html_table(("name",), [(name,)])

@@ -50,6 +50,7 @@ __all__ = [
     "Weights",
     "WhiteOf",
     "Within",
+    "Without",
 ]
 
 DEVICE = "dye3-endura-premier"
@@ -137,6 +138,10 @@ Towards = Annotated[
 ]
 Smoothness = Annotated[float, typer.Option("--smoothness", help="Pixels over which the amount is evened out.")]
 Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
+Without = Annotated[
+    list[str] | None,
+    typer.Option("--without", help="An effect to leave out, such as shadows; what is lost is bounded. Repeatable."),
+]
 Weights = Annotated[
     Path | None,
     typer.Option("--weights", help="What each pixel counts: a grey picture, white 1; black is left out (.png)."),

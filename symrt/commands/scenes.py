@@ -17,13 +17,13 @@ from symrt.explore.writing import json_text
 __all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
 
 
-def plan(scene: option.SceneFile, as_json: option.Json = False) -> None:
+def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
     """Which effects a scene calls for, and by what.
 
     Example: symrt plan globe
     """
-    found = rt.plan(rt.load_scene(scene))
-    keys = ("effect", "simulated", "because", "rays at most")
+    found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False))
+    keys = ("effect", "state", "because", "rays at most")
     record = [dict(zip(keys, effect.row, strict=True)) | {"simulated": effect.simulated} for effect in found.effects]
     say(json_text(record) if as_json else str(found))
 
@@ -43,7 +43,7 @@ def probe(
     say(json_text(record) if as_json else str(found))
 
 
-def render(
+def render(  # a command names its options
     scene: option.SceneFile,
     out: option.SystemOut = None,
     size: option.Size = None,
@@ -52,6 +52,7 @@ def render(
         list[str] | None,
         typer.Option(metavar="FROM:TO", help="Trace also what a blend of two unlike materials needs; repeatable."),
     ] = None,
+    without: option.Without = None,
     workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
     as_json: option.Json = False,
 ) -> None:
@@ -66,7 +67,8 @@ def render(
     if workers is not None and workers < 1:
         raise ValueError(f"--workers {workers}: at least one thread works")
     asked = pairs_of(alternative or ())
-    system = rt.render(scene_of(scene, size, samples), workers=workers, alternatives=asked)
+    force = dict.fromkeys(without or (), False)
+    system = rt.render(scene_of(scene, size, samples), workers=workers, alternatives=asked, force=force)
     rt.save_system(out, system)
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}

@@ -87,6 +87,8 @@ class Device:
     def __post_init__(self) -> None:
         for what in ("name", "title", "provenance"):
             require_plain(f"{what} of a device", getattr(self, what))
+        for ink in self.inks:
+            require_plain("an ink's name", ink)
         prints, bands = self.samples.shape
         if bands != len(self.bands) or not prints:
             raise ValueError(f"{self.name}: {prints} samples in {bands} bands for {self.bands!r}: give one row a print")

@@ -78,3 +78,17 @@ def test_a_pixel_is_named_by_place_or_by_words(run):
         code, _, said = run("formula", "first", "--size", "24", *wrong)
         assert code == 2
         assert f"the pixel's {says}: write for example symrt formula globe 210 140" in said
+
+
+def test_an_effect_is_left_out_on_request_and_the_picture_says_what_that_costs(run):
+    record = {one["effect"]: one for one in json.loads(run("plan", "spheres", "--without", "mirrors", "--json")[1])}
+    assert (record["mirrors"]["state"], record["mirrors"]["simulated"]) == ("left out, bounded", False)
+    assert run("render", "spheres", "--size", "16", "--without", "mirrors", "--out", "flat.npz")[0] == 0
+    flat = rt.load_system("flat.npz")
+    assert not any("mirror" in name for name in flat.reflectances)
+    shown = run("shade", "flat.npz", "--palettes", "spheres", "--palette", "rgb", "--out", "flat.png")[1]
+    assert "cut off" in shown
+    assert "nothing cut off" not in shown
+    code, _, said = run("render", "spheres", "--size", "16", "--without", "mirors")
+    assert code == 2
+    assert "there is no effect 'mirors'; did you mean 'mirrors'?" in said
