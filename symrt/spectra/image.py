@@ -25,10 +25,9 @@ class SpectralImage:
         For each light that shines, the radiance of a perfect diffuser that faces it, the key light's first; before
         them the white that the palette carries, if it does.  Empty for coordinates.
     cut_off
-        For each band, a bound on what the depth limit, or an effect that was left out on request, took from any pixel or
-        added to it, and on what products lost that underflowed; infinite where there is no certificate,
-        because a material may reflect everything, a reflectance passes 1 or a light's irradiance is unknown; None if
-        nothing was cut off.
+        For each band, a bound on what the depth limit, or an effect left out on request, took from any pixel or added
+        to it, and on what products lost that underflowed; infinite where there is no certificate, because a material
+        may reflect everything, a reflectance passes 1 or a light's irradiance is unknown; None if nothing was cut off.
     seconds
         Time that shading took.
     """

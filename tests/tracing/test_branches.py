@@ -236,7 +236,8 @@ def test_an_effect_that_nothing_calls_for_costs_nothing():
         few, many = (found["more calls"] for found in sizes)
         assert few == many, name
         assert few <= 8 * sizes[0]["left aside"], name
-        assert all(abs(found["more bytes"]) <= 2048 for found in sizes), name
+        # Arrays are as many and as large; the interpreter's own small objects come and go by some kilobytes.
+        assert all(abs(found["more bytes"]) <= 4096 < 0.02 * found["bytes"] for found in sizes), (name, sizes)
 
 
 @pytest.mark.parametrize("name", every_scene())
