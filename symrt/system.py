@@ -28,7 +28,8 @@ class Interaction:
     light
         Name of the light.
     met
-        Names of the reflectance symbols, ``material.component``, sorted because they commute.
+        Names of the reflectance symbols, ``material.component``: sorted, because they commute, or in the order in which
+        light met them where that was asked for.
     nodes
         ``(parameter, index)`` for each free parameter whose node this column belongs to.
 

@@ -105,7 +105,7 @@ DAMAGE = [
     *named(lambda j: put(j, "interactions", 2, 2, 0, 1), (-1, 3, 0.0, "0", True, None)),
     *named(lambda count: put([*PARAMETER[:3], count, "log"], "parameters", 0), (0, 257, 3.0, "3", True)),
     *named(lambda rows: put(rows, "parameters"), ([], [PARAMETER, PARAMETER], [["brass.exponent"]], {}, None)),
-    *named(lambda met: put(met, "interactions", 1, 1), (["sea.diffuse", "brass.mirror"], "sea.diffuse", None)),
+    *named(lambda met: put(met, "interactions", 1, 1), (["sea.diffuse", 1], "sea.diffuse", None)),
     put(["sun", ["brass.specular"], [["brass.exponent", 0], ["brass.exponent", 1]]], "interactions", 2),
     put([SUN, SUN, SUN], "interactions"),
     put([SUN, SUN], "interactions"),

@@ -62,7 +62,7 @@ class Sensitivity:
     @property
     def name(self) -> str:
         """The light, the material or the exposure."""
-        return self.parameter.name if isinstance(self.parameter, Scale) else "exposure"
+        return _called(self.parameter)
 
 
 def sensitivities(
@@ -138,7 +138,7 @@ class Move:
     @property
     def name(self) -> str:
         """The light, the material or the exposure."""
-        return self.parameter.name if isinstance(self.parameter, Scale) else "exposure"
+        return _called(self.parameter)
 
 
 def sentence(found: Collection[Move], side: str, *, absolute: bool) -> str:
@@ -156,6 +156,10 @@ def sentence(found: Collection[Move], side: str, *, absolute: bool) -> str:
         if abs(one.change) >= SEEN
     ]
     return f"Against the same white, {', '.join(parts)}." if parts else ""
+
+
+def _called(parameter: Scale | Exposure) -> str:
+    return parameter.name if isinstance(parameter, Scale) else "exposure"
 
 
 def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> dict[str, Spectrum]:

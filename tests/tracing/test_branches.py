@@ -241,7 +241,7 @@ def test_an_effect_that_nothing_calls_for_costs_nothing():
 
 
 @pytest.mark.parametrize("name", every_scene())
-def test_columns_in_the_order_met_merge_into_the_sorted_system(name):
+def test_columns_in_the_order_met_merge_into_the_sorted_system(name, tmp_path):
     tree = rt.trace(small(name, 32))
     ordered, usual = rt.collapse(tree, ordered=True), rt.collapse(tree)
     merged = {}
@@ -256,3 +256,5 @@ def test_columns_in_the_order_met_merge_into_the_sorted_system(name):
         met = {interaction.met for interaction in ordered.interactions}
         # From the light to the eye: the red ball in the chrome one is met before it.
         assert ("red.diffuse", "chrome.mirror") in met
+        rt.save_system(tmp_path / "ordered.npz", ordered)
+        assert rt.load_system(tmp_path / "ordered.npz").interactions == ordered.interactions
