@@ -5,14 +5,16 @@ name of each column.  What made G knows no spectrum; what uses it knows no shape
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
+from symrt.errors import shown
 from symrt.table import html_table
+from symrt.written import written_terms
 
 __all__ = ["Interaction", "LinearSystem", "Nodes", "Shares", "Tail"]
 
@@ -179,6 +181,92 @@ class LinearSystem:
                 "interactions were named"
             )
 
+    @classmethod
+    def of(cls, *pixels: str, white: Mapping[str, float] | None = None, width: int | None = None) -> "LinearSystem":
+        """A system that one writes down, a text for each pixel, row by row from the top.
+
+        Parameters
+        ----------
+        white
+            The lights in their order, each with the coefficient of its white; if not given, the lights in the order in
+            which they are written, each 1.
+        width
+            Of the image; all pixels stand in one row if it is not given.
+
+        Raises
+        ------
+        ValueError
+            If a term is not the product of a number, one light and reflectances.
+
+        Examples
+        --------
+        >>> system = LinearSystem.of("0.5*sun*sea.diffuse", "0.25*sun*sea.diffuse + 0.1*sky*ice.diffuse")
+        >>> [str(interaction) for interaction in system.interactions]
+        ['sky*ice.diffuse', 'sun*sea.diffuse']
+        >>> system.G.toarray().tolist()
+        [[0.0, 0.5], [0.1, 0.25]]
+        """
+        rows = [[_written(term, text) for term in written_terms(text)] for text in pixels]
+        interactions = sorted({interaction for row in rows for interaction, _ in row})
+        place = {interaction: k for k, interaction in enumerate(interactions)}
+        entries = [(n, place[i], g) for n, row in enumerate(rows) for i, g in row]
+        shape = (len(pixels), len(interactions))
+        n, k, g = zip(*entries, strict=True) if entries else ((), (), ())
+        matrix = sparse.coo_array((np.array(g, dtype=float), (n, k)), shape=shape).tocsr()
+        width = len(pixels) if width is None else width
+        lights = dict.fromkeys((i.light for row in rows for i, _ in row), 1.0)
+        height = len(pixels) // width if width else 0
+        return cls(matrix, tuple(interactions), height, width, lights if white is None else white)
+
+    def rows(self, pixels: Int[np.ndarray, " chosen"]) -> "LinearSystem":
+        """Some of the pixels, by their numbers, as a system of one row of pixels; what was cut off comes with them.
+
+        Examples
+        --------
+        >>> LinearSystem.of("0.5*sun*sea.diffuse", "0.25*sun*sea.diffuse").rows(np.array([1])).G.toarray()
+        array([[0.25]])
+        """
+        tail = None if self.tail is None else replace(self.tail, bound=self.tail.bound[pixels])
+        return replace(self, G=self.G[pixels], height=1, width=len(pixels), tail=tail)
+
+    def at(self, parameters: Mapping[str, float | int]) -> "LinearSystem":
+        """The system with some of its free parameters at values: their nodes are summed, by their weights.
+
+        Interpolation weights may be negative, and so may sums of them be, by no more than the nodes' tolerance.
+
+        Raises
+        ------
+        ValueError
+            If no parameter of that name is free, or the value is outside its range.
+
+        Examples
+        --------
+        >>> nodes = Nodes("brass.exponent", 5.0, 80.0, 3)
+        >>> columns = tuple(Interaction("sun", ("brass.specular",), (("brass.exponent", j),)) for j in range(3))
+        >>> system = LinearSystem(
+        ...     sparse.csr_array([[0.1, 0.2, 0.4]]), columns, 1, 1, {"sun": 1.0}, {}, {"brass.exponent": nodes}
+        ... )
+        >>> settled = system.at({"brass.exponent": 20.0})
+        >>> [str(interaction) for interaction in settled.interactions], settled.G.toarray().round(12).tolist()
+        (['sun*brass.specular'], [[0.2]])
+        """
+        if unknown := [name for name in parameters if name not in self.parameters]:
+            free = ", ".join(self.parameters) or "none"
+            raise ValueError(f"not a free parameter: {', '.join(unknown)}; free are: {free}")
+        weights = {name: self.parameters[name].weights(float(value)) for name, value in parameters.items()}
+
+        # Each column goes to that without the settled nodes, times what its nodes count for.
+        left = [
+            replace(i, nodes=tuple((name, j) for name, j in i.nodes if name not in weights)) for i in self.interactions
+        ]
+        counts = [np.prod([weights[name][j] for name, j in i.nodes if name in weights]) for i in self.interactions]
+        interactions = sorted(set(left))
+        place = {interaction: k for k, interaction in enumerate(interactions)}
+        shape = (len(left), len(interactions))
+        to = sparse.csr_array((counts, (np.arange(len(left)), [place[i] for i in left])), shape=shape)
+        free_still = {name: nodes for name, nodes in self.parameters.items() if name not in weights}
+        return replace(self, G=(self.G @ to).tocsr(), interactions=tuple(interactions), parameters=free_still)
+
     @property
     def lights(self) -> tuple[str, ...]:
         """Names of the scene's lights, whether or not any pixel sees them."""
@@ -211,3 +299,12 @@ class LinearSystem:
         rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
         table = html_table(("interaction", "degree", "pixels"), rows)
         return f"<p>{self.width} × {self.height} pixels</p>{table}"
+
+
+def _written(term: tuple[float, tuple[str, ...]], text: str) -> tuple[Interaction, float]:
+    """A term that was written, as an interaction and its coefficient."""
+    coefficient, names = term
+    lights = [name for name in names if "." not in name]
+    if len(lights) != 1:
+        raise ValueError(f"{shown(text)}: {len(lights)} lights in a term; every path of light starts at exactly one")
+    return Interaction(lights[0], tuple(sorted(name for name in names if "." in name))), coefficient

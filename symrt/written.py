@@ -1,0 +1,47 @@
+"""Pixels as one writes them, ``0.25*sun*sea.diffuse + 0.1*sky*sea.diffuse``, read by hand: nothing is evaluated."""
+
+import re
+
+from symrt.errors import NAME, shown
+
+NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+SYMBOL = rf"{NAME.pattern}(?:(?:>{NAME.pattern})?\.{NAME.pattern})?"
+FACTOR = re.compile(rf"(?P<number>{NUMBER})|(?P<name>{SYMBOL})(?:\s*\*\*\s*(?P<power>[1-9]\d{{0,2}})(?!\d))?")
+ONE = re.sub(r"\?P<\w+>", "?:", FACTOR.pattern)
+TERM = re.compile(rf"(?P<signs>[-+\s]*)(?P<term>(?:{ONE})(?:\s*\*\s*(?:{ONE}))*)\s*")
+"""Signs, and factors joined by ``*``: numbers, and names that may have a whole power below 1000."""
+
+
+def written_terms(text: str) -> list[tuple[float, tuple[str, ...]]]:
+    """The terms of a sum: a number, and the names that it multiplies, repeated as often as they occur.
+
+    Raises
+    ------
+    ValueError
+        If it is no sum of products of numbers, names, and names to whole powers.
+
+    Examples
+    --------
+    >>> written_terms("0.25*sun*sea.diffuse - 2*sky*sea.mirror**2")
+    [(0.25, ('sun', 'sea.diffuse')), (-2.0, ('sky', 'sea.mirror', 'sea.mirror'))]
+    """
+    terms: list[tuple[float, tuple[str, ...]]] = []
+    end = 0
+    while end < len(text) or end == 0:
+        found = TERM.match(text, end)
+        if found is None or (end and not found["signs"].strip()):
+            rest = text[end:].strip()
+            where = f"at {shown(rest)}" if rest else "which is empty"
+            raise ValueError(
+                f"{shown(text)}, {where}: write a sum of terms such as 0.25*sun*sea.diffuse*chrome.mirror**2"
+            )
+        coefficient = -1.0 if found["signs"].count("-") % 2 else 1.0
+        names: list[str] = []
+        for factor in FACTOR.finditer(found["term"]):
+            if factor["number"]:
+                coefficient *= float(factor["number"])
+            else:
+                names += [factor["name"]] * int(factor["power"] or 1)
+        terms.append((coefficient, tuple(names)))
+        end = found.end()
+    return terms
