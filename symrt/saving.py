@@ -40,7 +40,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     Examples
     --------
     >>> import tempfile
-    >>> grey = LinearSystem(sparse.csr_array([[0.5]]), (Interaction("sun", ("red.diffuse",)),), 1, 1, {"sun": 1.0})
+    >>> grey = LinearSystem.of("0.5*sun*red.diffuse", white={"sun": 1.0})
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_system(Path(folder) / "grey.npz", grey)
     ...     load_system(Path(folder) / "grey.npz").interactions

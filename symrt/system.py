@@ -19,6 +19,8 @@ from symrt.written import written_terms
 __all__ = ["Interaction", "LinearSystem", "Nodes", "Shares", "Tail"]
 
 MOST_NODES = 256
+BLACK = (0.0, ())
+"""A term that is written as 0."""
 
 
 @dataclass(frozen=True, order=True)
@@ -183,7 +185,7 @@ class LinearSystem:
 
     @classmethod
     def of(cls, *pixels: str, white: Mapping[str, float] | None = None, width: int | None = None) -> "LinearSystem":
-        """A system that one writes down, a text for each pixel, row by row from the top.
+        """A system that one writes down, a text for each pixel, row by row from the top; ``"0"`` is a black one.
 
         Parameters
         ----------
@@ -206,7 +208,7 @@ class LinearSystem:
         >>> system.G.toarray().tolist()
         [[0.0, 0.5], [0.1, 0.25]]
         """
-        rows = [[_written(term, text) for term in written_terms(text)] for text in pixels]
+        rows = [[_written(term, text) for term in written_terms(text) if term != BLACK] for text in pixels]
         interactions = sorted({interaction for row in rows for interaction, _ in row})
         place = {interaction: k for k, interaction in enumerate(interactions)}
         entries = [(n, place[i], g) for n, row in enumerate(rows) for i, g in row]

@@ -158,9 +158,7 @@ def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along
 
     >>> from symrt.feedback.parameters import Scale
     >>> from symrt.spectra.bands import RGB
-    >>> columns = (Interaction("key", ("brass.diffuse",)), Interaction("key", ("brass.diffuse", "brass.mirror")))
-    >>> G = sparse.csr_array(np.array([[0.5, 0.25]]))
-    >>> system = LinearSystem(G, columns, height=1, width=1, white={"key": 0.5})
+    >>> system = LinearSystem.of("0.5*key*brass.diffuse + 0.25*key*brass.diffuse*brass.mirror", white={"key": 0.5})
     >>> palette = Palette(RGB, {"key": 1, "brass.diffuse": 0.5, "brass.mirror": 0.4})
     >>> along(system, palette, Scale("brass")).coefficients(slice(None))[:, 0, 0].tolist()
     [0.0, 0.25, 0.05]

@@ -230,11 +230,8 @@ def reflectances(system: LinearSystem, palette: Palette, white: Spectrum, pixels
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(RGB, {"sun": 2, "sea.diffuse": [0.2, 0.4, 0.8]})
     >>> reflectances(system, palette, np.ones(3), np.array([1]))
     array([[0.2, 0.4, 0.8]])

@@ -119,9 +119,7 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> columns = (Interaction("key", ("sea.diffuse",)),)
-    >>> system = LinearSystem(sparse.csr_array([[2.0]]), columns, height=1, width=1, white={"key": 1.0})
+    >>> system = LinearSystem.of("2*key*sea.diffuse", white={"key": 1.0})
     >>> palette = Palette(RGB, {"key": 1.0, "sea.diffuse": 1.0})
     >>> found = paints(system, palette, {"sea.diffuse": (np.full(3, 1.0), np.full(3, 0.5))})
     >>> found.at(0.5).round(4)

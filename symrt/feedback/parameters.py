@@ -80,11 +80,8 @@ def moved(system: LinearSystem, palette: Palette, parameter: Parameter, value: N
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> column = Interaction("key", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[1.0]]), (column,), height=1, width=1, white={"key": 1.0})
+    >>> system = LinearSystem.of("1*key*sea.diffuse", white={"key": 1.0})
     >>> moved(system, Palette(RGB, {"key": 1, "sea.diffuse": [0.1, 0.2, 0.4]}), Scale("sea"), 2)["sea.diffuse"]
     array([0.2, 0.4, 0.8])
     """

@@ -101,13 +101,10 @@ def map_pixels(
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
     >>> map_pixels(system, palette, device_gamut(device, "envelope")).image.values[0, :, 20].round(3)
     array([0.475, 0.9  ])

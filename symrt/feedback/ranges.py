@@ -89,14 +89,11 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.feedback.parameters import Scale
     >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.4})
     >>> feasible(system, palette, device_gamut(device), Scale("sea"))
     The scale of sea may be 0.01 … 2.5 to keep the image inside (complete).

@@ -34,8 +34,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
 
     Examples
     --------
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.5], [0.25]]), (column,), height=1, width=2, white={"sun": 1.0})
+    >>> system = LinearSystem.of("0.5*sun*sea.diffuse", "0.25*sun*sea.diffuse", white={"sun": 1.0})
     >>> parted = split(system, "sea", np.array([[False, True]]), "bay")
     >>> [str(interaction) for interaction in parted.interactions], parted.G.toarray().tolist()
     (['sun*bay.diffuse', 'sun*sea.diffuse'], [[0.0, 0.5], [0.25, 0.0]])

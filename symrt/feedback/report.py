@@ -167,13 +167,10 @@ def report(
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
     >>> said = report(system, palette, [device_gamut(device, "unit"), device_gamut(device, "envelope")])
     >>> [(verdict.inside, verdict.worst) for verdict in said.verdicts]

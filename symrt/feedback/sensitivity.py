@@ -89,11 +89,8 @@ def sensitivities(
     --------
     Half of the light on the pixel is the sun's; if it grows by 1 %, the sea may be 0.5 % lighter at most:
 
-    >>> from scipy import sparse
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> columns = (Interaction("sky", ("sea.diffuse",)), Interaction("sun", ("sea.diffuse",)))
-    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, 1, 1, white={"sky": 1.0, "sun": 1.0})
+    >>> system = LinearSystem.of("0.25*sky*sea.diffuse + 0.25*sun*sea.diffuse", white={"sky": 1.0, "sun": 1.0})
     >>> palette = Palette(RGB, {"sky": 1, "sun": 1, "sea.diffuse": 0.8})
     >>> found = sensitivities(system, palette, Scale("sea"), 2.5, pixel=0, slab=np.array([0.0, 1.0, 0.0]))
     >>> [(one.name, one.change) for one in found]

@@ -87,10 +87,7 @@ def weighed(
 
     Examples
     --------
-    >>> from scipy import sparse
-    >>> from symrt.system import Interaction
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.2], [0], [0.3]]), (column,), height=1, width=3, white={"sun": 1.0})
+    >>> system = LinearSystem.of("0.2*sun*sea.diffuse", "0", "0.3*sun*sea.diffuse", white={"sun": 1.0})
     >>> found = weighed(system, weights=np.array([[1.0, 2.0, 3.0]]))
     >>> found.pixels, (found.weights / found.weights.sum()).tolist()
     (array([0, 2]), [0.25, 0.75])

@@ -68,8 +68,7 @@ def shade(
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> G = sparse.csr_array(np.array([[0.5], [0.0]]))
-    >>> system = LinearSystem(G, (Interaction("sun", ("red.diffuse",)),), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.5*sun*red.diffuse", "0", white={"sun": 0.5})
     >>> shade(system, Palette(RGB, {"sun": 2, "red.diffuse": [0.8, 0.1, 0]})).values.tolist()
     [[[0.8, 0.1, 0.0], [0.0, 0.0, 0.0]]]
     """
@@ -273,8 +272,7 @@ def preview(
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> G = sparse.csr_array(np.array([[0.5]]))
-    >>> system = LinearSystem(G, (Interaction("sun", ("red.diffuse",)),), height=1, width=1, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.5*sun*red.diffuse", white={"sun": 0.5})
     >>> preview(system, Palette(RGB, {"sun": 2, "red.diffuse": [1, 0.5, 0]})).tolist()
     [[[255, 188, 0]]]
     """

@@ -55,14 +55,11 @@ def adapted_figure(
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.device import load_device
     >>> from symrt.feedback import Scale, adapt
     >>> from symrt.gamut import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
     >>> found = adapt(system, palette, device_gamut(device, "envelope"), [Scale("sea")])
     >>> adapted_figure(found, system, palette).get_suptitle()
@@ -99,14 +96,11 @@ def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, referen
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.device import load_device
     >>> from symrt.feedback import map_pixels
     >>> from symrt.gamut import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [0.5]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.95})
     >>> mapped_figure(map_pixels(system, palette, device_gamut(device, "envelope")), system, palette).get_suptitle()
     'Pixels moved into the gamut one by one: 50.0%'

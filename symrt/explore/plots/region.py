@@ -63,14 +63,11 @@ def joint_region_figure(
 
     Examples
     --------
-    >>> from scipy import sparse
     >>> from symrt.feedback import Scale, joint_region
     >>> from symrt.device import load_device
     >>> from symrt.gamut import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
-    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, height=1, width=1, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*ice.diffuse + 0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
     >>> found = joint_region(system, palette, device_gamut(device), Scale("ice"), Scale("sea"), cap=False)
     >>> joint_region_figure(found, system, palette).get_suptitle()

@@ -98,12 +98,9 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     --------
     A sea twice as bright as paper can be: dimming does, and keeps half of its light.
 
-    >>> from scipy import sparse
     >>> from symrt.device import load_device
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> column = Interaction("sun", ("sea.diffuse",))
-    >>> system = LinearSystem(sparse.csr_array([[0.25], [1.0]]), (column,), height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "1*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.9})
     >>> found = adapt(system, palette, device_gamut(device, "envelope"), [Scale("sea")], progress=False)
     >>> found.accepted.means, round(found.exposure, 6)

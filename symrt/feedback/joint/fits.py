@@ -99,13 +99,9 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     --------
     Sea and ice stop at the print's white, each on its own:
 
-    >>> from scipy import sparse
     >>> from symrt.device.inks import load_device
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
-    >>> G = sparse.csr_array(np.diag([0.5, 0.25]))
-    >>> system = LinearSystem(G, columns, height=1, width=2, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.5*sun*ice.diffuse", "0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.8, "sea.diffuse": 0.2})
     >>> found = fit(
     ...     system, palette, device_gamut(device), [Scale("ice"), Scale("sea")], objective="lightest", cap=False

@@ -86,13 +86,10 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     --------
     One pixel that two materials share: each alone may go to 3, both together not:
 
-    >>> from scipy import sparse
     >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
-    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, height=1, width=1, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*ice.diffuse + 0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
     >>> found = safe_box(system, palette, device_gamut(device), [Scale("ice"), Scale("sea")], within=(0.5, 3))
     >>> {name: (low, round(high, 9)) for name, (low, high) in found.box.items()}

@@ -87,13 +87,10 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     --------
     Two materials share a pixel, each with a quarter of the white's light: their scales may sum to 4:
 
-    >>> from scipy import sparse
     >>> from symrt.device.inks import load_device
     >>> from symrt.gamut.slabs import device_gamut
-    >>> from symrt.system import Interaction
     >>> device = load_device("dye3-endura-premier")
-    >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
-    >>> system = LinearSystem(sparse.csr_array([[0.25, 0.25]]), columns, height=1, width=1, white={"sun": 0.5})
+    >>> system = LinearSystem.of("0.25*sun*ice.diffuse + 0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
     >>> found = joint_region(system, palette, device_gamut(device), Scale("ice"), Scale("sea"), cap=False)
     >>> (1, 2.9) in found, (2, 2.5) in found, round(found.separate_inside, 3)

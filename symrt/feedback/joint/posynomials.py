@@ -153,9 +153,7 @@ def sliders(
     Examples
     --------
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
-    >>> columns = (Interaction("key", ("brass.diffuse",)), Interaction("key", ("brass.diffuse", "brass.mirror")))
-    >>> system = LinearSystem(sparse.csr_array([[0.5, 0.25]]), columns, height=1, width=1, white={"key": 0.5})
+    >>> system = LinearSystem.of("0.5*key*brass.diffuse + 0.25*key*brass.diffuse*brass.mirror", white={"key": 0.5})
     >>> colours = Palette(RGB, {"key": 1, "brass.diffuse": 0.5, "brass.mirror": 0.4})
     >>> bound = Bound(np.eye(3), np.zeros(3), np.full(3, 0.5), np.arange(3))
     >>> brass = {"brass": frozenset({"brass.diffuse", "brass.mirror"})}
