@@ -161,17 +161,18 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     >>> gamma([twice], Palette(RGB, {"sun": 2, "red.mirror": [0.5, 0.1, 0]}))
     array([[0.5 , 0.02, 0.  ]])
     """
-    symbols = sorted({name for i in interactions for name in (i.light, *i.met)})
+    factors = [(i.light, *i.met) for i in interactions]
+    symbols = sorted({name for names in factors for name in names})
     check_symbols(symbols, palette)
     # The last row, of ones, fills up the interactions that met less than others did.
     rows = [palette[name] if name in palette else np.zeros(len(palette.bands)) for name in symbols]
     spectra = np.array([*rows, np.ones(len(palette.bands))])
     number = {name: k for k, name in enumerate(symbols)}
-    factors = np.full((len(interactions), 1 + max((i.degree for i in interactions), default=0)), len(symbols))
-    for row, i in zip(factors, interactions, strict=True):
-        row[: 1 + i.degree] = [number[name] for name in (i.light, *i.met)]
-    product = spectra[factors[:, 0]]
-    for column in factors.T[1:]:
+    places = np.full((len(factors), max(map(len, factors), default=1)), len(symbols))
+    for row, names in zip(places, factors, strict=True):
+        row[: len(names)] = [number[name] for name in names]
+    product = spectra[places[:, 0]]
+    for column in places.T[1:]:
         product *= spectra[column]
     return product
 
