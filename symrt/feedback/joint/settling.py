@@ -1,17 +1,22 @@
 """Bring scales that were computed to rounding to where a pixel certainly stops them: step 5 of the paper.
 
 One scale after another goes as far as its pixels allow with all others as they are, in the arithmetic of `feasible`;
-what moves is only the last digits, and the answer names the pixel.
+what moves is only the last digits, and the answer names the pixel. A pixel that another scale has brought to its bound
+leaves one that hardly lights it no room that could be told from rounding: it is inside already, and asks for nothing.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
+from symrt.arrays import PerPixel
+from symrt.feedback.along import Along
+from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import intervals
 from symrt.feedback.joint.filling import INWARD, Task
 from symrt.feedback.joint.posynomials import Sliders
+from symrt.feedback.limits import Bound
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
@@ -42,7 +47,10 @@ def raised(task: Task, close: Pixels, values: Values, name: str, most: float | N
     limit = np.zeros(len(pixels))
     limit[found.pixel] = found.high
     value, capped = values[name], task.capped(others, frozenset({name}))
-    ends = [(task.within[1], Reason("range")), (capped.value, Reason("cap", band=capped.band, symbol=capped.symbol))]
+    limit = _kept(limit, value, limit < value, line, bound, pixels)
+    physical = capped.value < value and not above_one(task.painted(values), task.symbols[name])
+    highest = value if physical else capped.value
+    ends = [(task.within[1], Reason("range")), (highest, Reason("cap", band=capped.band, symbol=capped.symbol))]
     if most is not None:
         ends.append((most, Reason("objective")))
     if len(pixels):
@@ -62,9 +70,21 @@ def lowered(task: Task, counted: Pixels, values: Values, name: str) -> tuple[flo
     found = intervals(line.seen(bound.matrix, pixels), bound, (low, task.within[1]), INWARD)
     limit = np.full(len(pixels), np.inf)
     limit[found.pixel] = found.low
+    limit = _kept(limit, value, limit > value, line, bound, pixels)
     least = float(limit.max(initial=low))
     if least < value * (1 - GROWTH):
         return value, Reason("objective")
     if least <= low:
         return low, Reason("range")
     return least, reason(line, task.asked, End("dark", int(pixels[limit.argmax()])), least, task.system.width)
+
+
+def _kept(
+    limit: PerPixel, value: float, passed: Bool[np.ndarray, " pixel"], line: Along, bound: Bound, pixels: Pixels
+) -> PerPixel:
+    """The limits; but the value itself where it has passed that of a pixel which is inside for sure all the same."""
+    asking = np.flatnonzero(passed)
+    inside = intervals(line.seen(bound.matrix, pixels[asking]), bound, (value, value), 1).pixel
+    kept = np.zeros(len(limit), dtype=bool)
+    kept[asking[inside]] = True
+    return np.where(kept, value, limit)
