@@ -3,8 +3,9 @@
 It is the convex hull of the prints' XYZ, a solid in three dimensions, and so a set of half-spaces of reflectances.
 Being inside is necessary for a print of the same colour under that light; under another one the match may break [1]_.
 The hull of finitely many prints leaves out colours between them, so that a colour may be outside a face by a
-*tolerance*, a share of its own luminance: ``n · XYZ <= offset + tolerance Y``, which is a half-space again.  It is
-never less than the gap by which prints that are not among the samples miss the hull, which is measured.
+*tolerance*, a share of its own luminance, or of the lightest print's if that is less: ``n · XYZ <= offset + tolerance
+min(Y, Y_max)``, which is two half-spaces.  It is never less than the gap by which prints that are not among the samples
+miss the hull, which is measured.
 
 References
 ----------
@@ -32,6 +33,8 @@ TRIED = 256
 SEED = 0
 STEP = 1e-6
 """Of XYZ, in which the direction of a face is looked at."""
+DARKEST = 1e-3
+"""Luminance of white's 1 below which no share is taken: no print is darker, and of black there are no shares."""
 HUES = ("red", "yellow", "green", "blue")
 """Of the axes of a* and b*, from 0° by 90°."""
 
@@ -51,7 +54,8 @@ class ColorimetricGamut(OfPrinter):
     normals, offsets
         Its faces: inside is where ``normals · XYZ <= offsets``.
     tolerance
-        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance.
+        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance, or of the lightest
+        print's if that is less.
     gap, gap_delta_e
         By how much prints that are not among the samples miss that hull: the same share, and in CIEDE2000; see
         `colorimetric_gamut`.
@@ -167,9 +171,9 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     light
         An illuminant of the library.
     tolerance
-        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance; never less than the
-        sampling gap: what 95 % of prints that are not among the samples do not pass, or all that a printer's model
-        makes for the purpose.
+        How far outside the hull of the prints a colour may be, in XYZ, as a share of its luminance, or of the lightest
+        print's if that is less; never less than the sampling gap: what 95 % of prints that are not among the samples do
+        not pass, or all that a printer's model makes for the purpose.
 
     Raises
     ------
@@ -195,9 +199,11 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     gap, gap_delta_e = _sampling_gap(device, light, xyz, hull)
     wide = max(float(tolerance), gap)
     if wide:
-        # Every face gives way by a share of Y; the corners are where they meet then.
-        tilted = hull.equations - [0.0, wide, 0.0, 0.0]
-        hull = ConvexHull(HalfspaceIntersection(tilted, xyz[hull.vertices].mean(axis=0)).intersections)
+        # Every face gives way by a share of Y, and by no more than at the lightest print: without that what lies
+        # inside would have no end upwards.  The corners are where the faces meet then.
+        tilted, moved = hull.equations - [0.0, wide, 0.0, 0.0], hull.equations - [0.0, 0.0, 0.0, wide * xyz[:, 1].max()]
+        faces = np.vstack([tilted, moved])
+        hull = ConvexHull(HalfspaceIntersection(faces, xyz[hull.vertices].mean(axis=0)).intersections)
     faces = np.unique(hull.equations, axis=0)
     corners = hull.points[hull.vertices]
     return ColorimetricGamut(device, light, corners, faces[:, :3], -faces[:, 3], wide, gap, gap_delta_e)
@@ -242,8 +248,9 @@ def _hull_without(xyz: Float[np.ndarray, "print 3"], k: int) -> ConvexHull | Non
 
 def _missed(colour: Float[np.ndarray, "3"], hull: ConvexHull, light: str) -> tuple[float, float]:
     """How far a colour is beyond the worst face of a hull, by luminance, and how different from the nearest in it."""
-    beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max() / colour[1])
+    beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max())
     if beyond <= 0:
         return 0.0, 0.0
+    share = beyond / max(DARKEST, min(colour[1], hull.points[:, 1].max()))
     nearest, _ = nearest_mixtures(hull.points[hull.vertices], colour[None])
-    return beyond, float(colour_difference(lab(nearest, light), lab(colour[None], light))[0])
+    return float(share), float(colour_difference(lab(nearest, light), lab(colour[None], light))[0])

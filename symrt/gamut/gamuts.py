@@ -55,7 +55,8 @@ def device_gamut(
         What becomes of the dark, for bounds in each band.
     tolerance
         Of a hull, or of what inks print: the root mean square difference that passes for none, 0.01 if not given.  Of
-        a colorimetric gamut: how far outside the hull of the prints a colour may be, as a share of its luminance.
+        a colorimetric gamut: how far outside the hull of the prints a colour may be, as a share of its luminance, or of
+        the lightest print's if that is less.
     light
         Of a colorimetric gamut: the illuminant under which prints are seen.
 

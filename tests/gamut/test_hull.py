@@ -232,6 +232,32 @@ def test_prints_held_out_of_a_measured_chart_are_inside_but_for_a_few():
     assert f"95 % within {hull.gap_95:.4f}" in repr(hull)
 
 
+@pytest.mark.parametrize("tolerance", [0.3, 0.5, 1.0])
+def test_a_wide_tolerance_is_a_share_of_the_luminance_up_to_the_lightest_prints(device, tolerance):
+    # Beyond a third the faces that gave way by a share of Y alone had no end upwards, and the rest was anything.
+    gamut = colorimetric_gamut(device, tolerance=tolerance)
+    random = np.random.default_rng(21)
+    spectra = random.uniform(0, 1.5, (400, len(device.bands))) * random.uniform(0, 2, (400, 1)) ** 2
+    xyz, prints = spectra @ gamut.observer, device.samples @ gamut.observer
+    faces = ConvexHull(prints).equations
+    luminance = np.minimum(xyz[:, 1:2], prints[:, 1].max())
+    beyond = (xyz @ faces[:, :3].T + faces[:, 3] - tolerance * luminance).max(axis=1)
+    np.testing.assert_array_equal(gamut.contains(spectra), beyond <= 0)
+    assert 0.3 < gamut.contains(spectra).mean() < 0.97
+    assert gamut.contains(device.samples).all()
+
+
+@pytest.mark.parametrize("count", [5, 8, 12])
+def test_a_chart_of_few_prints_holds_their_colours(device, count):
+    samples = np.random.default_rng(0).permutation(device.samples)[:count]
+    samples[0] = 0  # of black there are no shares
+    few = replace(device, samples=samples, amounts=np.zeros((count, 0)), inks=(), printer=None, modelled=False)
+    gamut = colorimetric_gamut(few)
+    assert gamut.contains(samples).all()
+    assert 0 < gamut.gap < np.inf
+    assert not gamut.contains(np.full((1, len(device.bands)), 100.0)).any()
+
+
 def test_a_hulls_limits_are_inside_for_certain():
     # Oracle: the distance from the hull by a quadratic programme of another library, to 1e-10.
     device = load_device("dye3-endura-premier", wavelengths(400, 700, 50))
