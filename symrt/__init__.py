@@ -82,7 +82,7 @@ _NAMES = {
         "with_region",
     ],
     # Looking
-    "symrt.explore": ["plots"],
+    "symrt.show": ["plots"],
     "symrt.errors": ["SceneError"],
 }
 _ROOM = {name: room for room, names in _NAMES.items() for name in names}

@@ -23,8 +23,6 @@ import numpy as np
 from symrt.disk import ordinary, replacing
 from symrt.errors import plain, shown
 
-__all__ = ["DAMAGE", "Kind", "check_free", "check_members", "digest", "read_archive", "whole", "write_archive"]
-
 MOST_MEMBERS = 4096
 """Arrays that a file may hold."""
 

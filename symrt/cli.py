@@ -18,8 +18,6 @@ from symrt.commands.gamuts import gamut, report
 from symrt.commands.saying import say
 from symrt.commands.scenes import demo, formula, plan, probe, render, shade
 
-__all__ = ["main"]
-
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
 # Whatever class the installed typer derives its usage errors from: click's own, or a copy of it.

@@ -13,8 +13,6 @@ from typing import Any
 from symrt.disk import ordinary
 from symrt.errors import NAME, SceneError, shown, suggestion
 
-__all__ = ["inside", "number_faults", "read_toml", "scene_path", "shipped_scene"]
-
 LARGEST = 16 << 20
 """Bytes that a scene file may have; geometry and pictures have files of their own."""
 

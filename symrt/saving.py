@@ -15,8 +15,6 @@ from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.errors import NAME, RESERVED, SYMBOL, plain, shown
 from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 
-__all__ = ["load_system", "save_system"]
-
 KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""

@@ -16,8 +16,6 @@ from symrt.errors import shown
 from symrt.table import html_table
 from symrt.written import written_terms
 
-__all__ = ["Interaction", "LinearSystem", "Nodes", "Shares", "Tail"]
-
 MOST_NODES = 256
 BLACK = (0.0, ())
 """A term that is written as 0."""

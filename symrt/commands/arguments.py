@@ -26,24 +26,6 @@ if TYPE_CHECKING:
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
 
-__all__ = [
-    "Kind",
-    "against",
-    "alternatives_of",
-    "bands_of",
-    "formula_of",
-    "gamut_of",
-    "gamuts_of",
-    "is_file",
-    "pairs_of",
-    "palette_of",
-    "parameter_of",
-    "scale_of",
-    "scene_of",
-    "size_of",
-    "system_of",
-]
-
 LARGEST = 32768
 """Pixels on a side, as cameras have it."""
 

@@ -10,14 +10,12 @@ from symrt.commands.masks import weights_of
 from symrt.commands.outputs import apart, writable
 from symrt.commands.questions import Question, asking
 from symrt.commands.saying import say
-from symrt.explore.writing import draw, json_text
+from symrt.show.writing import draw, json_text
 
 if TYPE_CHECKING:
     from symrt.spectra.image import SpectralImage
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
-
-__all__ = ["adapt", "feasible", "fit", "map_pixels"]
 
 
 @asking(Question)
@@ -39,7 +37,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
-    from symrt.explore.tables import (  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import (  # noqa: PLC0415  # slow, and --help does not need it
         box_record,
         feasible_record,
         ranges_text,
@@ -99,7 +97,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
-    from symrt.explore.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
     from symrt.spectra.palettes_file import check_palettes_free  # noqa: PLC0415
 
     _check_files(question, out, plot, palette_out)
@@ -138,7 +136,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
     """
-    from symrt.explore.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
 
     _check_files(question, out, plot)
     scales = [scale_of(word) for word in parameter]
@@ -171,7 +169,7 @@ def map_pixels(  # a command names its options
 
     Example: symrt map-pixels globe --palette macbeth --towards neutral --smoothness 2 --out moved.png
     """
-    from symrt.explore.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
 
     _check_files(question, out, plot)
     gamut, seen = question.gamut, question.seen

@@ -12,7 +12,7 @@ from symrt.commands.arguments import Kind, bands_of, gamut_of, gamuts_of, palett
 from symrt.commands.outputs import apart, writable
 from symrt.commands.questions import Picture, asking
 from symrt.commands.saying import say
-from symrt.explore.writing import draw, json_text
+from symrt.show.writing import draw, json_text
 
 if TYPE_CHECKING:
     from symrt.gamut.files import SavedGamut
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from symrt.gamut.intersections import AnyIntersection
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
-
-__all__ = ["gamut", "report"]
 
 DRAWN = (0, 1, 2)
 """Components that are drawn if no others are named."""
@@ -95,7 +93,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
 
 
 def _facts(found: "SavedGamut", plot: Path | None) -> tuple[dict[str, Any], str]:
-    from symrt.explore.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
 
     if plot is not None:
         draw(plot, "body_figure", found)
@@ -112,9 +110,9 @@ def _segments(
     components: tuple[int, int, int],
     plot: Path | None,
 ) -> tuple[dict[str, Any], str]:
-    from symrt.explore.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
-    from symrt.explore.study import materials  # noqa: PLC0415
-    from symrt.explore.tables import segments_record, segments_table  # noqa: PLC0415
+    from symrt.show.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
+    from symrt.show.study import materials  # noqa: PLC0415
+    from symrt.show.tables import segments_record, segments_table  # noqa: PLC0415
     from symrt.spectra.reference import key_light  # noqa: PLC0415
 
     light = reference or key_light(system, spectra)

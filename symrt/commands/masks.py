@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     Mask = Bool[np.ndarray, "height width"]
     Grey = Float[np.ndarray, "height width"]
 
-__all__ = ["parted", "weights_of"]
-
 WHITE = 0.5
 """Grey above which a pixel of a mask is in the region."""
 

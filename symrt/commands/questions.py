@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from symrt.spectra.reference import Reference
     from symrt.system import LinearSystem
 
-__all__ = ["Picture", "Question", "asking"]
-
 
 @dataclass(frozen=True)
 class Picture:

@@ -12,9 +12,7 @@ from symrt.commands import options as option
 from symrt.commands.arguments import against, formula_of, pairs_of, palette_of, scene_of, system_of
 from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
-from symrt.explore.writing import json_text
-
-__all__ = ["demo", "formula", "plan", "probe", "render", "shade"]
+from symrt.show.writing import json_text
 
 
 def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
@@ -153,7 +151,7 @@ def demo(
 
     Example: symrt demo --out out
     """
-    from symrt.explore.demo import write_demo  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.demo import write_demo  # noqa: PLC0415  # slow, and --help does not need it
 
     for product in write_demo(out, scene_of(scene, size), rt.load_palettes(scene)):
         say(f"{product.path}: {shorten(product.caption, 140, placeholder=' …')}")

@@ -17,9 +17,7 @@ from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
 from symrt.spectra.bands import Bands
-from symrt.spectra.library import colour_difference, observer, spectrum
-
-__all__ = ["VISIBLE", "colour_difference", "lab", "tristimulus"]
+from symrt.spectra.library import observer, spectrum
 
 VISIBLE = Bands(tuple(float(nm) for nm in range(380, 781)))
 """Every nanometre that all illuminants are known at; what the observer sees beyond is less than 1e-4 of a white."""

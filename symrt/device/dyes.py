@@ -20,8 +20,6 @@ from jaxtyping import Bool, Float
 from symrt.device.printing import Device
 from symrt.spectra.bands import Bands, resample
 
-__all__ = ["Dyes", "dye_device", "dye_devices", "dye_printer"]
-
 PAPER_WHITE = 0.90
 SURFACE = 0.004
 MOST_DYE = 2.2

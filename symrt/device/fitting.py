@@ -16,12 +16,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares, minimize_scalar
 
-from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.halftone import LARGEST_GAIN, MOST_INKS, Halftone, demichel, spread, unspread
 from symrt.device.monitors import Monitor, printer_of
 from symrt.device.printing import Device
-
-__all__ = ["HalftoneFit", "fit_halftone"]
+from symrt.spectra.library import colour_difference
 
 LARGEST_EXPONENT = 100.0
 """Beyond it nothing changes that a chart could show."""

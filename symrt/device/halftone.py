@@ -25,8 +25,6 @@ from symrt.device.dyes import PAPER_WHITE, SURFACE, dye_printer, guessed_bands
 from symrt.device.printing import Device
 from symrt.spectra.bands import Bands, resample
 
-__all__ = ["Halftone", "demichel", "synthetic_device", "synthetic_devices"]
-
 MOST_INKS = 8
 LARGEST_GAIN = 0.25
 """With more, a + 4 g a (1 − a) would not rise with a all the way."""

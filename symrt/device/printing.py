@@ -14,8 +14,6 @@ from symrt.arrays import Spectrum
 from symrt.errors import require_plain
 from symrt.spectra.bands import Bands, resample
 
-__all__ = ["Device", "Printer", "reflectance"]
-
 Amounts = Float[np.ndarray, "print ink"]
 Prints = Float[np.ndarray, "print band"]
 

@@ -26,8 +26,6 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import Interaction, LinearSystem
 
-__all__ = ["Along", "along"]
-
 Gamma = Float[np.ndarray, "_ band"]
 
 

@@ -22,8 +22,6 @@ from symrt.feedback.solids import Solid, swept
 from symrt.feedback.weighing import Weighed, check_most
 from symrt.spectra.bands import Number
 
-__all__ = ["darker_than_black", "drawn", "inside_all", "met", "spans_inside_all"]
-
 DIRECTIONS = 256
 """Directions of reflectance in which the extreme pixels are looked for."""
 CHUNK = 4096

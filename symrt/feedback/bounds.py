@@ -10,8 +10,6 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import Spectrum
 from symrt.gamut.interface import Slabs
 
-__all__ = ["Bound", "Sizes", "alike", "bound_of", "nearest_slab"]
-
 NEGLIGIBLE = 1e-4
 """Share of a slab's weights that may lie in bands that the reference white does not light."""
 THIN = 1e-3

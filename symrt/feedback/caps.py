@@ -14,8 +14,6 @@ from symrt.arrays import Spectrum
 from symrt.feedback.parameters import component_of
 from symrt.spectra.palette import Palette, is_reflectance
 
-__all__ = ["INWARD", "MOST", "UNLIMITED", "Cap", "above_one", "grouped", "physical_cap"]
-
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 INWARD = 1 - 2.0**-50
 MOST = 1 + 2.0**-50

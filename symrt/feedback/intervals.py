@@ -19,8 +19,6 @@ from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_i
 from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.bands import Number
 
-__all__ = ["certified", "inside_at", "intervals"]
-
 TILE = 2048
 """Pixels shaded and clipped at a time: their spectra stay in cache."""
 NARROW = 32

@@ -28,17 +28,6 @@ from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import check_names, shade, tail_bound
 from symrt.system import LinearSystem
 
-__all__ = [
-    "Bound",
-    "Limits",
-    "check_kinds",
-    "described",
-    "limits",
-    "reflectances",
-    "rising_limits",
-    "white_in_every_band",
-]
-
 Pixels = Int[np.ndarray, " pixel"]
 INVISIBLE = 1e-6
 """Bands in which the reference white has less than this share of its maximum say nothing about reflectance."""

@@ -6,8 +6,6 @@ from symrt.feedback.parameters import Parameter, mixing_of, moved_ends
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Line", "line_of"]
-
 Line = Along | Paints
 
 

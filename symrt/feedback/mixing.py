@@ -20,8 +20,6 @@ from jaxtyping import Float
 from symrt.arrays import Spectrum
 from symrt.spectra.bands import Number
 
-__all__ = ["Mixing", "absorption", "check_paints", "mixed", "painted", "reflected", "slopes"]
-
 Mixing = Literal["linear", "kubelka-munk"]
 
 BLACK = 1e-100

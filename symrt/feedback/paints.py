@@ -23,8 +23,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Paints", "painted_intervals", "paints"]
-
 TILE = 2048
 """Pixels looked at together."""
 ROUNDED = 16

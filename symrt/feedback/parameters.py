@@ -17,20 +17,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette, did_you_mean, is_reflectance
 from symrt.system import LinearSystem
 
-__all__ = [
-    "Blend",
-    "Exposure",
-    "Parameter",
-    "Scale",
-    "component_of",
-    "ends_owners",
-    "material_of",
-    "mixing_of",
-    "moved",
-    "moved_ends",
-    "with_spectra",
-]
-
 Ends = tuple[Spectrum, Spectrum]
 
 

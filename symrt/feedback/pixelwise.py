@@ -27,8 +27,6 @@ from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 from symrt.table import sentences
 
-__all__ = ["Mapped", "map_pixels"]
-
 Target = Literal["neutral", "centre", "nearest"]
 Reflectances = Float[np.ndarray, "pixel band"]
 REACH = 3

@@ -19,8 +19,6 @@ from jaxtyping import Float, Int
 
 from symrt.spectra.bands import Number
 
-__all__ = ["HALVINGS", "ROUNDING", "Spans", "highest", "joined", "lowest", "placed", "spans_inside"]
-
 ROUNDING = 2.0**-53
 MOST_STEPS = 200
 """Newton's steps at most; from far above, each multiplies t by 1 − 1/D or less."""

@@ -32,8 +32,6 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["Range", "check_share", "checked_range", "dark_share", "feasible", "reason"]
-
 Pixels = Int[np.ndarray, " _"]
 Range = tuple[Number, Number]
 ASKED = 500

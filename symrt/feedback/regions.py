@@ -16,8 +16,6 @@ from symrt.feedback.weighing import check_mask
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.system import Interaction, LinearSystem, Tail
 
-__all__ = ["split", "with_region"]
-
 Mask = Bool[np.ndarray, "height width"]
 Named = tuple[Interaction, ...]
 

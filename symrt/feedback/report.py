@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.device.colorimetry import colour_difference, lab
+from symrt.device.colorimetry import lab
 from symrt.errors import require_list
 from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.parameters import material_of
@@ -23,6 +23,7 @@ from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.monitor import MonitorGamut
 from symrt.spectra.bands import Bands
+from symrt.spectra.library import colour_difference
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem

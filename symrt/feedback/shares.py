@@ -13,8 +13,6 @@ from jaxtyping import Bool, Float, Int
 from symrt.feedback.polynomials import Spans
 from symrt.spectra.bands import Number
 
-__all__ = ["Curve", "End", "Kind", "Piece", "Steps", "curve", "pieces", "shared", "tightest"]
-
 Kind = Literal["upper", "dark", "range", "cap"]
 Weights = Int[np.ndarray, " span"] | None
 

@@ -24,8 +24,6 @@ from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.looking import looked_for
 from symrt.spectra.bands import Number
 
-__all__ = ["Solid", "swept"]
-
 CHUNK = 64
 """Pixels that a hull, or inks, are asked about at a time."""
 

@@ -16,8 +16,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import did_you_mean
 from symrt.system import LinearSystem
 
-__all__ = ["Weighed", "check_mask", "check_most", "pixels_of", "weighed"]
-
 LARGEST_SUM = 61
 """Weights add up to less than 2⁶², so that no share is off by more than 2⁻⁴³ with half a million pixels."""
 SLACK = Fraction(1, 10**9)

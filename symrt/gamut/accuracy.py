@@ -17,13 +17,12 @@ from html import escape
 import numpy as np
 from jaxtyping import Float
 
-from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.monitors import Monitor, printer_of
 from symrt.device.printing import Device
 from symrt.gamut.basis import Samples, uniform_first
 from symrt.spectra.bands import Number
-
-__all__ = ["BasisReport", "basis_report"]
+from symrt.spectra.library import colour_difference
 
 SHOWN = 8
 """Numbers of components in the table; then the one from which nothing is missing."""

@@ -31,8 +31,6 @@ from symrt.gamut.interface import WIDER, ConvexGamut, SlabGamut, of_one_band
 from symrt.gamut.joining import clipped_by_all, joined
 from symrt.gamut.polyhedra import Normals, Offsets, deepest, halfspaces, nearest_point
 
-__all__ = ["THIN", "deep_inside", "nearest_to_all"]
-
 THIN = 1e-9
 """An intersection that holds no ball larger than this counts as empty."""
 AIM = 1e-9

@@ -20,8 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Shaped
 
-__all__ = ["Basis", "uniform_first"]
-
 NOISE = 1e-8
 """Samples that differ from constant spectra by less than this share of their size have no shape, only noise."""
 

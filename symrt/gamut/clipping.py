@@ -21,8 +21,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-__all__ = ["INWARD", "Interval", "blocking", "check_lines", "clip_slabs"]
-
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
 INWARD = 2.0**-51

@@ -20,13 +20,14 @@ from jaxtyping import Bool, Float
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from symrt.arrays import PerPixel, PixelBands
-from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
+from symrt.spectra.library import colour_difference
 
 TRIED = 256
 """Prints that the sampling gap is measured with."""

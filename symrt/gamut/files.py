@@ -27,8 +27,6 @@ from symrt.gamut.intersections import AnyIntersection, UnevenGamut, intersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.records import GAMUTS, Arrays, Header, device_of, gamut_of, record_of_device, record_of_gamut
 
-__all__ = ["load_gamut", "save_gamut"]
-
 KIND = Kind("gamut", 3, "save a gamut with save_gamut first", "save it again with save_gamut")
 SavedGamut = ConvexGamut | UnevenGamut
 LARGEST = 1 << 30

@@ -13,8 +13,6 @@ from symrt.gamut.slabs import Black, Gamut
 from symrt.gamut.slabs import device_gamut as slab_gamut
 from symrt.spectra.bands import Number
 
-__all__ = ["MODELS", "AnyGamut", "device_gamut"]
-
 MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")
 
 AnyGamut = Gamut | HullGamut | InkGamut | ColorimetricGamut | MonitorGamut

@@ -18,8 +18,6 @@ from symrt.gamut.mixtures import EXACT, nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
 
-__all__ = ["HullGamut", "hull_gamut"]
-
 TOLERANCE = 0.01
 """Root mean square difference of reflectances that passes for none."""
 TRIED = 64

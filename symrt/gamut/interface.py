@@ -12,9 +12,6 @@ from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval, check_lines, clip_slabs
 from symrt.spectra.bands import Bands
 
-__all__ = ["ANY", "ROUNDING", "WIDER", "ConvexGamut", "SlabGamut", "Slabs", "beyond_rounding", "check_spectra", "clip"]
-__all__ += ["of_one_band", "stacked"]
-
 ROUNDING = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
 WIDER = ROUNDING / 2

@@ -24,8 +24,6 @@ from symrt.gamut.polyhedra import supports
 from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Bands, Number
 
-__all__ = ["AnyIntersection", "InkIntersection", "Intersection", "SlabIntersection", "UnevenGamut", "intersection"]
-
 
 class _Parts(Protocol):
     """What all intersections answer alike."""

@@ -9,8 +9,6 @@ from symrt.arrays import PixelBands
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, of_one_band, stacked
 
-__all__ = ["boxed", "clipped_by_all", "common_intervals", "joined", "named"]
-
 
 def joined(each: Sequence[Slabs]) -> Slabs:
     """All slabs; those of the same band alone are one, with the highest lower bound and the lowest upper one.

@@ -9,8 +9,6 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import PerPixel
 from symrt.spectra.bands import Number
 
-__all__ = ["LOOKS", "Stretches", "looked_for"]
-
 LOOKS = 64
 """Places on a curve at which it is asked whether it is inside; a shorter stretch may be missed."""
 HALVINGS = 26

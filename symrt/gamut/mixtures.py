@@ -16,8 +16,6 @@ from scipy.optimize import nnls
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 
-__all__ = ["EXACT", "nearest_mixtures"]
-
 BROUGHT_IN = 16
 """Prints that join the mixture of a spectrum in each round."""
 ROUNDS = 200

@@ -21,8 +21,6 @@ from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, 
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 
-__all__ = ["MonitorGamut", "monitor_gamut"]
-
 Drive = Float[np.ndarray, "pixel 3"]
 
 

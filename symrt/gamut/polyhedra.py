@@ -17,8 +17,6 @@ from scipy.optimize import linprog, nnls
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.interface import ROUNDING, of_one_band
 
-__all__ = ["deepest", "halfspaces", "nearest_point", "supports"]
-
 UNBOUNDED = 3
 """What HiGHS answers, through SciPy, where an objective has no limit."""
 

@@ -8,8 +8,6 @@ from symrt.device.printing import Device
 from symrt.gamut.basis import Basis, uniform_first
 from symrt.spectra.bands import Bands
 
-__all__ = ["OfPrinter"]
-
 Own = TypeVar("Own", bound="OfPrinter")
 
 

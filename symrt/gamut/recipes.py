@@ -23,8 +23,6 @@ from symrt.gamut.looking import looked_for
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
 
-__all__ = ["InkGamut", "ink_gamut", "recipes"]
-
 STARTS = 4
 """Prints from which each recipe is sought."""
 STEPS = 60

@@ -24,8 +24,6 @@ from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import RGB, Bands, coordinates
 
-__all__ = ["GAMUTS", "Arrays", "Header", "device_of", "gamut_of", "record_of_device", "record_of_gamut"]
-
 Header = dict[str, Any]
 Arrays = dict[str, np.ndarray]
 ROUNDING = 1e-9

@@ -20,8 +20,6 @@ from symrt.gamut.printed import OfPrinter
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.display import luminance_weights
 
-__all__ = ["Black", "Gamut", "Model", "device_gamut"]
-
 Model = Literal["unit", "envelope"]
 Black = Literal["clip", "luminance", "strict"]
 Spectra = Float[np.ndarray, "pixel band"]

@@ -18,8 +18,6 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from symrt.arrays import Spectrum
 
-__all__ = ["Polyhedron", "Shadow", "Slice", "convex_solid"]
-
 FLAT = 1e-9
 """Faces whose planes differ by less are one face, and rows of B_k that lie in a plane up to this share do."""
 

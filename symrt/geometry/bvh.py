@@ -14,8 +14,6 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import PerRay
 from symrt.geometry.rays import ROUNDING, Rays
 
-__all__ = ["Tree", "build", "candidates"]
-
 LEAF = 4
 """Triangles in a leaf."""
 

@@ -33,8 +33,6 @@ from symrt.geometry.planes import flat_surface, plane_axes
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
-__all__ = ["Cylinder"]
-
 SIDE, BASE, TOP = 0, 1, 2
 
 

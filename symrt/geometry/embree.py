@@ -18,8 +18,6 @@ from jaxtyping import Float, Int
 from symrt.arrays import PerRay, dot
 from symrt.geometry.rays import Rays
 
-__all__ = ["DOUBTFUL", "NOTHING", "Thickened", "first_seen", "thicken"]
-
 NOTHING, DOUBTFUL = -1, -2
 FEWEST = 64
 """Triangles below which the hierarchy alone is as fast."""

@@ -11,8 +11,6 @@ from symrt.errors import hinting
 from symrt.geometry.records import Triple, finite, positive
 from symrt.geometry.triangle_mesh import TriangleMesh
 
-__all__ = ["Mesh", "TriangleMesh", "load_mesh"]
-
 FORMATS = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 
 

@@ -16,8 +16,6 @@ from symrt.disk import ordinary
 from symrt.errors import hinting
 from symrt.geometry.textures import UV, BandedRelief, Checker, Weights, weights
 
-__all__ = ["LabelImage", "WeightImage", "grey_picture", "load_texture"]
-
 LARGEST_PICTURE = 1 << 26
 """Pixels a picture may have; a larger one is refused from its header, before it is decoded."""
 

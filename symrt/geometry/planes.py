@@ -30,8 +30,6 @@ from symrt.errors import hinting
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, has_direction, moved, positive
 
-__all__ = ["Column", "Disk", "Plane", "bounded", "flat_surface", "plane_axes", "plane_distance"]
-
 Column = Float[np.ndarray, "3 1"]
 
 

@@ -15,22 +15,6 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, pair_dot
 from symrt.geometry.records import LARGEST
 
-__all__ = [
-    "Crossing",
-    "Hits",
-    "Rays",
-    "Surface",
-    "clearance",
-    "encloses",
-    "intersect",
-    "nearest",
-    "occluded",
-    "spawn",
-    "surface",
-    "surfaces",
-    "translate",
-]
-
 BLOCK = 8192
 """Rays handled at a time: their arrays stay in the cache, which is worth a factor of three."""
 

@@ -8,8 +8,6 @@ from jaxtyping import Float
 
 from symrt.arrays import Point, length
 
-__all__ = ["LARGEST", "Triple", "column", "finite", "has_direction", "moved", "positive", "triples"]
-
 Triple = tuple[float | int, float | int, float | int]
 """A point or a vector in a record, in scene units."""
 

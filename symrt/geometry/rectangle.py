@@ -12,8 +12,6 @@ from symrt.geometry.planes import Column, bounded, flat_surface
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, has_direction, moved
 
-__all__ = ["Rectangle"]
-
 
 @hinting
 @dataclass(frozen=True)

@@ -36,8 +36,6 @@ from symrt.errors import hinting
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
-__all__ = ["Sphere"]
-
 
 @hinting
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ from jaxtyping import Float
 
 from symrt.errors import hinting
 
-__all__ = ["UV", "BandedRelief", "Checker", "Weights", "elevation", "weights"]
-
 UV = Float[np.ndarray, "2 hit"]
 Weights = Float[np.ndarray, "material hit"]
 

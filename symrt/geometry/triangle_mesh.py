@@ -23,8 +23,6 @@ from symrt.geometry.rays import (
 )
 from symrt.geometry.records import LARGEST
 
-__all__ = ["TriangleMesh"]
-
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:

@@ -16,8 +16,6 @@ from jaxtyping import Float, Int
 from symrt.arrays import Point, dot, exact, normalise, pair_cross, pair_dot, two_sum
 from symrt.geometry.rays import Rays
 
-__all__ = ["barycentric", "blended_normal", "crossings", "distance_to", "solid_angle", "unit_normals"]
-
 Corners = Float[np.ndarray, "3 3 face"]
 """Corner, axis, face."""
 

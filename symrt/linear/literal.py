@@ -14,8 +14,6 @@ from symrt.linear.functions import function_of
 from symrt.reflection.symbols import Factor, Light, Reflectance, lobe_value
 from symrt.system import Interaction, LinearSystem
 
-__all__ = ["coefficient_matrix", "linear_form"]
-
 
 def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
     """Coefficient of each product of one light and some reflectances.

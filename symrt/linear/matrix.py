@@ -9,8 +9,6 @@ from scipy import sparse
 
 from symrt.system import Interaction
 
-__all__ = ["Entries", "assemble", "stack_rows"]
-
 
 @dataclass(frozen=True, eq=False)
 class Entries:

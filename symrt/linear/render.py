@@ -31,8 +31,6 @@ from symrt.tracing.planner import plan
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tracer import trace_window
 
-__all__ = ["render"]
-
 Window = tuple[int, int, int, int]
 
 TILE = 32768

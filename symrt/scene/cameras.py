@@ -12,10 +12,9 @@ import numpy as np
 
 from symrt.arrays import Vectors, normalise
 from symrt.errors import hinting, refuse, shown
+from symrt.geometry import Triple
 from symrt.geometry.rays import Rays
-from symrt.scene.checks import Number, Triple, check_number, check_triple, check_whole, floats, settle
-
-__all__ = ["Camera", "Window", "camera_rays", "moved_camera"]
+from symrt.scene.checks import Number, check_number, check_triple, check_whole, floats, settle
 
 LARGEST = 32768
 """Pixels on a side: a pixel's number then fits 32 bits."""

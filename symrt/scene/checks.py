@@ -8,8 +8,6 @@ from typing import Any
 from symrt.errors import NAME, shown
 from symrt.geometry import Triple
 
-__all__ = ["Number", "Triple", "check_name", "check_number", "check_triple", "check_whole", "floats", "settle"]
-
 Number = int | float
 
 

@@ -12,8 +12,6 @@ from symrt.errors import RESERVED, shown, suggestion
 from symrt.reading import inside
 from symrt.scene.checks import check_name
 
-__all__ = ["file_faults", "light_faults", "name_faults", "named_materials", "reference_faults"]
-
 Keyed = Iterable[tuple[str, Any]]
 
 

@@ -34,8 +34,6 @@ from symrt.scene.consistency import file_faults, light_faults, name_faults, name
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
 from symrt.scene.records import Material, Scene
 
-__all__ = ["load_scene"]
-
 KINDS: dict[str, dict[str, type]] = {
     "shapes": {kind.type: kind for kind in (Sphere, Plane, Disk, Rectangle, Cylinder, Box, Mesh)},
     "lights": {kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight)},

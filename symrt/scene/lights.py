@@ -14,7 +14,8 @@ from jaxtyping import Float
 
 from symrt.arrays import length, normalise
 from symrt.errors import hinting, refuse
-from symrt.scene.checks import Triple, check_name, check_triple, floats, settle
+from symrt.geometry import Triple
+from symrt.scene.checks import check_name, check_triple, floats, settle
 
 Points = Float[np.ndarray, "3 n"]
 Nearest = Callable[[np.ndarray], float]

@@ -22,8 +22,6 @@ from symrt.table import html_table
 if TYPE_CHECKING:
     from symrt.reflection.models import Model
 
-__all__ = ["Material", "Scene"]
-
 DEEPEST = 1000
 """Mirror bounces that a scene may ask for."""
 

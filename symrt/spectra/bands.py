@@ -11,8 +11,6 @@ from jaxtyping import Float
 
 from symrt.arrays import Spectrum
 
-__all__ = ["RGB", "Bands", "coordinates", "resample", "wavelengths"]
-
 Number = float | int
 Kind = Literal["wavelength", "rgb", "coordinate"]
 SHORTEST, LONGEST = 100.0, 3000.0

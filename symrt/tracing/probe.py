@@ -15,8 +15,6 @@ from symrt.table import html_table, text_table
 from symrt.tracing.raytree import Level, RayTree
 from symrt.tracing.tracer import trace
 
-__all__ = ["Meeting", "Probe", "probe"]
-
 NOTHING = "The camera sees nothing that light reaches: look at camera.position and camera.target"
 HEAD = ("light", "material", "bounces", "rays that see it", "of these hidden from the light")
 

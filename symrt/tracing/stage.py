@@ -7,9 +7,10 @@ from functools import partial
 import numpy as np
 
 from symrt.geometry.box import Box
-from symrt.geometry.mesh import Mesh, TriangleMesh, load_mesh
+from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
+from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene

@@ -16,8 +16,8 @@ import numpy as np
 
 from symrt.errors import require
 from symrt.geometry.box import Box
-from symrt.geometry.mesh import TriangleMesh
 from symrt.geometry.rays import Rays, nearest, surfaces
+from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import Sent

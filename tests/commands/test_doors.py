@@ -10,7 +10,7 @@ import pytest
 import symrt as rt
 from symrt.cli import main
 from symrt.commands.saying import say
-from symrt.explore.writing import json_text
+from symrt.show.writing import json_text
 
 
 @pytest.fixture

@@ -11,13 +11,13 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 from symrt.device.inks import load_device
-from symrt.explore.tables import ranges_table
 from symrt.feedback import intervals
 from symrt.feedback.along import along
 from symrt.feedback.limits import rising_limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut import device_gamut
+from symrt.show.tables import ranges_table
 from symrt.spectra.bands import RGB
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

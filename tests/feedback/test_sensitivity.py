@@ -6,12 +6,12 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
 from symrt.device.inks import load_device
-from symrt.explore.tables import feasible_record
 from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
 from symrt.feedback.ranges import feasible
 from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.slabs import device_gamut
+from symrt.show.tables import feasible_record
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import Interaction, LinearSystem

@@ -19,8 +19,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 
-__all__ = ["OBJECTIVES", "Answer", "Goal", "answered"]
-
 Goal = Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"]
 OBJECTIVES: tuple[Goal, ...] = ("lightest", "darkest", "closest", "lexicographic", "brightest", "contrast")
 ROUNDING = 1e-9

@@ -33,8 +33,6 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
 
-__all__ = ["adapt"]
-
 ASKED = 2000
 """Object pixels, drawn evenly, on which colours are compared and gamuts without bounds in each band are asked."""
 HALVINGS = 5

@@ -9,17 +9,16 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from symrt.device.colorimetry import colour_difference, lab, tristimulus
+from symrt.device.colorimetry import lab, tristimulus
 from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.weighing import check_most
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut
+from symrt.spectra.library import colour_difference
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
-
-__all__ = ["Appearance", "appearance"]
 
 LIGHT = "illuminant/D50"
 """Under which prints are looked at."""

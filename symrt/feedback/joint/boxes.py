@@ -12,8 +12,6 @@ from symrt.feedback.joint.programmes import Optimum
 from symrt.feedback.reasons import Reason, exceptions, footnote, work
 from symrt.table import html_table, sentences, text_table
 
-__all__ = ["Box", "SafeBox"]
-
 HEAD = ("scale of", "from", "to", "stopped below where", "stopped above where")
 Pixels = Int[np.ndarray, " _"]
 Box = Mapping[str, tuple[float, float]]

@@ -7,17 +7,15 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.feedback.along import along_ends
+from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import INWARD, grouped
 from symrt.feedback.joint.convex import Planes
 from symrt.feedback.joint.filling import Task, first_limits, lit
 from symrt.feedback.joint.posynomials import Posynomials, Sliders, sliders
-from symrt.feedback.limits import Bound
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.spectra.bands import Number
-
-__all__ = ["LEAST", "Joint", "counted_pixels", "joint"]
 
 NEARLY = 1e-9
 """A row that is so near to its bound at the low end leaves its scales no room."""

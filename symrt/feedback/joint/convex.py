@@ -18,8 +18,6 @@ from jaxtyping import Float
 
 from symrt.feedback.joint.posynomials import Posynomials
 
-__all__ = ["Constraints", "Objective", "Planes", "distance", "minimise"]
-
 GAP = 1e-13
 """Of slacks times duals, where the search ends."""
 MET = 1e-9

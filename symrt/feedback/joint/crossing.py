@@ -28,8 +28,6 @@ from symrt.gamut.clipping import clip_slabs
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-__all__ = ["Image", "Line", "Plane", "image", "line_at", "spans_of", "without_unfixable"]
-
 Pixels = Int[np.ndarray, " _"]
 Mask = Bool[np.ndarray, " pixel"]
 TILE = 2048

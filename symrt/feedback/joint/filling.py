@@ -17,10 +17,11 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from symrt.feedback.along import Along, along_ends
+from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import UNLIMITED, Cap, physical_cap
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.joint.outermost import outermost
-from symrt.feedback.limits import Bound, Limits
+from symrt.feedback.limits import Limits
 from symrt.feedback.parameters import with_spectra
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
@@ -29,8 +30,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
-
-__all__ = ["Filled", "Task", "darkest", "first_limits", "lightest", "lit"]
 
 Pixels = Int[np.ndarray, " _"]
 NEARLY = 1e-9

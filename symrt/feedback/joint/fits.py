@@ -16,13 +16,14 @@ from tqdm.auto import tqdm
 
 from symrt.errors import require, require_list
 from symrt.feedback.along import Along, along_ends
+from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import certified, inside_at
 from symrt.feedback.joint.acceptance import OBJECTIVES, Answer, Goal, answered
 from symrt.feedback.joint.filling import Filled, Task, first_limits
 from symrt.feedback.joint.fitted import Fit
 from symrt.feedback.joint.objectives import Regions
-from symrt.feedback.limits import Bound, Limits, rising_limits
+from symrt.feedback.limits import Limits, rising_limits
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
 from symrt.gamut.interface import ConvexGamut
@@ -32,8 +33,6 @@ from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
-
-__all__ = ["certify", "fit", "outside_at_rest", "symbols_of", "task_of", "with_black"]
 
 Pixels = Int[np.ndarray, " _"]
 

@@ -38,8 +38,6 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["safe_box"]
-
 Pixels = Int[np.ndarray, " _"]
 Point = Float[np.ndarray, " scale"]
 NARROW = 1e-9

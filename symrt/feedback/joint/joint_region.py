@@ -34,8 +34,6 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.system import LinearSystem
 
-__all__ = ["joint_region"]
-
 Mask = Bool[np.ndarray, "height width"]
 ASKED = 200
 """Pixels that a hull, or inks, are asked about on every line."""

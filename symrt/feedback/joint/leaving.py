@@ -21,8 +21,6 @@ from symrt.feedback.joint.constraints import LEAST
 from symrt.feedback.joint.filling import Filled, Task, first_limits, lightest
 from symrt.feedback.joint.posynomials import Sliders, sliders
 
-__all__ = ["leave_out"]
-
 MOST_ROUNDS = 10
 DESCENTS = 4
 """Of the starts, from the best of which there is a descent."""

@@ -29,8 +29,6 @@ from symrt.feedback.weighing import check_mask
 from symrt.spectra.bands import Number
 from symrt.spectra.shading import gamma
 
-__all__ = ["Mask", "Regions", "brightest", "closest", "contrast", "levelled", "mean_luminance"]
-
 Mask = Bool[np.ndarray, "height width"]
 Regions = Sequence[tuple[Mask, Mask]]
 Pixels = Int[np.ndarray, " _"]

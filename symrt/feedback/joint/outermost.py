@@ -16,8 +16,6 @@ from jaxtyping import Float, Int
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
-__all__ = ["outermost"]
-
 Pixels = Int[np.ndarray, " _"]
 MOST = 64
 """Comparisons of one pixel with all others of the same interactions; a hull, or nobody, judges the rest."""

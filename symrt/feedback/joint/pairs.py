@@ -13,8 +13,6 @@ from symrt.feedback.reasons import Feasible, Reason
 from symrt.spectra.bands import Number
 from symrt.table import sentences
 
-__all__ = ["JointRegion", "given_value"]
-
 Ends = tuple[float, float]
 Pair = tuple[Number, Number]
 Pixels = Int[np.ndarray, " _"]

@@ -20,8 +20,6 @@ from symrt.feedback.joint.constraints import Joint
 from symrt.feedback.joint.posynomials import Posynomials, Sliders
 from symrt.feedback.joint.programmes import MARGIN, Solved, most
 
-__all__ = ["affine", "largest"]
-
 MOST_ROUNDS = 100
 TOLERANCES = (1e-10, 1e-9, 1e-8)
 """Violations that HiGHS is asked for: the least that it can be, and larger ones where it does not settle with that."""

@@ -17,12 +17,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from symrt.feedback.limits import Bound
+from symrt.feedback.bounds import Bound
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
-
-__all__ = ["Posynomials", "Sliders", "sliders", "stacked"]
 
 TILE = 1 << 15
 """Pixels that are shaded at a time."""

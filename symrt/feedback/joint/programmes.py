@@ -21,8 +21,6 @@ from jaxtyping import Float, Int
 from symrt.feedback.joint.convex import Constraints, Objective, Planes, minimise
 from symrt.feedback.joint.posynomials import Posynomials, Sliders, stacked
 
-__all__ = ["MARGIN", "Optimum", "Programme", "Solved", "most", "solved"]
-
 MARGIN = 1e-12
 """By how much bounds are moved inwards, so that a solution to rounding is inside."""
 PROGRESS = 1e-7

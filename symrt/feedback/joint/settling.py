@@ -12,16 +12,14 @@ from jaxtyping import Bool, Int
 
 from symrt.arrays import PerPixel
 from symrt.feedback.along import Along
+from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import intervals
 from symrt.feedback.joint.filling import INWARD, Task
 from symrt.feedback.joint.posynomials import Sliders
-from symrt.feedback.limits import Bound
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
-
-__all__ = ["lowered", "near", "raised"]
 
 NEAR = 1e-6
 """Pixels whose share of a bound is so near to 1 may be what stops a scale."""

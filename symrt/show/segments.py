@@ -24,8 +24,6 @@ from symrt.spectra.display import display_matrix, encode, white_among
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 
-__all__ = ["Segment", "Segments", "blend_segments", "diffuse_materials", "scale_segments", "segments_of"]
-
 CHUNK = 8
 """Segments that are looked along at a time."""
 

@@ -16,8 +16,6 @@ from symrt.scene import Scene
 from symrt.spectra import Palette, SpectralImage, shade
 from symrt.system import LinearSystem
 
-__all__ = ["WITHIN", "Study", "study", "telling_pixel"]
-
 DEVICE = "dye3-endura-premier"
 WITHIN = (0.01, 3.0)
 """The scales of the paper's Figure 3."""

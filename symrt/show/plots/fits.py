@@ -7,15 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, literal, text_width, wrapped
 from symrt.feedback.joint.fitted import Fit
+from symrt.show.plots.panels import picture_panel
+from symrt.show.plots.style import BELOW, FEASIBLE, INK, Drawing, caption, headline, literal, text_width, wrapped
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
-
-__all__ = ["fit_figure"]
 
 PICTURE, BARS, REASONS, ROW = 3.4, 1.75, 2.95, 0.52
 """Inches: of a picture, of the bars and of the reasons across, and the height of one scale's row."""

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.device.printing import Device
-from symrt.explore.segments import Segment, Segments
 from symrt.feedback.joint.adapted import Adapted
 from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.fitted import Fit
@@ -22,6 +21,7 @@ from symrt.gamut.files import SavedGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.slabs import Gamut
+from symrt.show.segments import Segment, Segments
 from symrt.table import WIDTH, sentences, text_table
 
 LIGHT = re.compile(r", (illuminant/[^,]+)")

@@ -8,11 +8,11 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import symrt as rt
-from symrt.explore import plots
-from symrt.explore.body import body_of
-from symrt.explore.segments import blend_segments, diffuse_materials, scale_segments
-from symrt.explore.solid import View, facets, outline
 from symrt.gamut.basis import uniform_first
+from symrt.show import plots
+from symrt.show.body import body_of
+from symrt.show.segments import blend_segments, diffuse_materials, scale_segments
+from symrt.show.solid import View, facets, outline
 
 WITHIN = (0.01, 3.0)
 

@@ -12,8 +12,6 @@ from scipy.spatial import ConvexHull
 from symrt.gamut.views import Polyhedron
 from symrt.spectra.bands import Number
 
-__all__ = ["Facet", "View", "facets", "facing", "outline", "spread"]
-
 
 @dataclass(frozen=True)
 class View:

@@ -9,5 +9,5 @@ __all__ = ["plots"]
 def __getattr__(name: str) -> Any:
     # Matplotlib is slow to import, and most of this room does without.
     if name == "plots":
-        return import_module("symrt.explore.plots")
-    raise AttributeError(f"symrt.explore has no {name!r}; it has {', '.join(__all__)}")
+        return import_module("symrt.show.plots")
+    raise AttributeError(f"symrt.show has no {name!r}; it has {', '.join(__all__)}")

@@ -15,8 +15,6 @@ from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut, device_gamut
 from symrt.gamut.views import Polyhedron, Shadow, convex_solid
 
-__all__ = ["Body", "body_of", "shared_bounds"]
-
 FLAT = 1e-9
 """A body so much thinner than long is flat: its prints differ there by less than they are known."""
 MIXTURES = "shadow (projection) of all mixtures of its prints"

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 import symrt as rt
 from symrt.device.colorimetry import tristimulus
-from symrt.explore import plots
+from symrt.show import plots
 from symrt.spectra.display import display_matrix, encode
 
 MODELS = {

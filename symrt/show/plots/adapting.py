@@ -6,8 +6,10 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from symrt.explore.plots.panels import picture_panel
-from symrt.explore.plots.style import (
+from symrt.feedback.joint.adapted import Adapted
+from symrt.feedback.pixelwise import Mapped
+from symrt.show.plots.panels import picture_panel
+from symrt.show.plots.style import (
     ABOVE,
     FEASIBLE,
     HAIR,
@@ -20,8 +22,6 @@ from symrt.explore.plots.style import (
     text_width,
     wrapped,
 )
-from symrt.feedback.joint.adapted import Adapted
-from symrt.feedback.pixelwise import Mapped
 from symrt.spectra.display import to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette
@@ -29,8 +29,6 @@ from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import shade
 from symrt.spectra.viewing import linear_rgb
 from symrt.system import LinearSystem
-
-__all__ = ["adapted_figure", "mapped_figure"]
 
 WIDTH, PICTURE, BARS, ROW = 13.0, 3.4, 1.6, 0.42
 """Inches: of the figure, of a picture in it, of one criterion's bars across, and the height of one means' row."""

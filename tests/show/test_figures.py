@@ -17,13 +17,13 @@ from scipy.optimize import isotonic_regression
 from scipy.spatial import ConvexHull
 
 import symrt as rt
-from symrt.explore import plots
-from symrt.explore.plots.feedback import _binding, _outside
-from symrt.explore.plots.region import _stops
-from symrt.explore.segments import scale_segments
-from symrt.explore.solid import View, facets, facing, outline, spread
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved
+from symrt.show import plots
+from symrt.show.plots.feedback import _binding, _outside
+from symrt.show.plots.region import _stops
+from symrt.show.segments import scale_segments
+from symrt.show.solid import View, facets, facing, outline, spread
 
 WITHIN = (0.01, 3.0)
 
@@ -237,7 +237,7 @@ def test_the_map_of_any_gamut_marks_the_pixels_that_it_does_not_contain(system, 
 def test_of_many_pixels_a_hull_is_asked_about_one_in_each_block(system, monkeypatch):
     palette, asked = plain(), rt.device_gamut(rt.load_device("dye3-endura-premier"), "hull")
     every, _, _ = _outside(system, palette, limits(system, palette, asked))
-    monkeypatch.setattr("symrt.explore.plots.feedback.MOST", 60)
+    monkeypatch.setattr("symrt.show.plots.feedback.MOST", 60)
     some, _, side = _outside(system, palette, limits(system, palette, asked))
     assert side > 1
     assert abs(int(some.sum()) - int(every.sum())) < 0.2 * system.object_pixels.sum()

@@ -8,8 +8,8 @@ import pytest
 
 import symrt as rt
 from symrt.commands.arguments import scene_of
-from symrt.explore.demo import write_demo
-from symrt.explore.study import materials, telling_pixel
+from symrt.show.demo import write_demo
+from symrt.show.study import materials, telling_pixel
 
 SIZE = 64
 FILES = {

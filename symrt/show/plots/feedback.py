@@ -13,7 +13,15 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from symrt.arrays import Spectrum
-from symrt.explore.plots.style import (
+from symrt.feedback.along import along_ends
+from symrt.feedback.asking import darker_than_black, inside_all
+from symrt.feedback.limits import Limits, limits
+from symrt.feedback.lines import line_of
+from symrt.feedback.parameters import Blend
+from symrt.feedback.reasons import Feasible
+from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.recipes import InkGamut
+from symrt.show.plots.style import (
     ABOVE,
     BELOW,
     FEASIBLE,
@@ -26,20 +34,10 @@ from symrt.explore.plots.style import (
     literal,
     wrapped,
 )
-from symrt.feedback.along import along_ends
-from symrt.feedback.asking import darker_than_black, inside_all
-from symrt.feedback.limits import Limits, limits
-from symrt.feedback.lines import line_of
-from symrt.feedback.parameters import Blend
-from symrt.feedback.reasons import Feasible
-from symrt.gamut.interface import ConvexGamut
-from symrt.gamut.recipes import InkGamut
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
-
-__all__ = ["curve_figure", "out_of_gamut_map", "ranges_figure"]
 
 REST = "#8fcfb9"
 """The same green, paler: feasible for the rest of the image only."""

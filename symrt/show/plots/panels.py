@@ -10,11 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from symrt.explore.plots.style import HAIR, INK, NAME, component
-from symrt.explore.solid import Facet, View, facets, facing, outline
 from symrt.gamut.views import Polyhedron
-
-__all__ = ["Paper", "draw_directions", "panel", "panel_title", "picture_panel"]
+from symrt.show.plots.style import HAIR, INK, NAME, component
+from symrt.show.solid import Facet, View, facets, facing, outline
 
 BODY, BODY_LIT = np.array([0.74, 0.79, 0.87]), np.array([0.965, 0.975, 0.99])
 WIDE = 1.42

@@ -7,10 +7,8 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 
-from symrt.explore.plots.style import ABOVE, BELOW, GREY, HAIR, Drawing, caption, headline, literal, wrapped
 from symrt.gamut.accuracy import BasisReport
-
-__all__ = ["basis_figure"]
+from symrt.show.plots.style import ABOVE, BELOW, GREY, HAIR, Drawing, caption, headline, literal, wrapped
 
 FLOOR = 1e-5
 """Errors smaller than this are rounding, and not drawn."""

@@ -13,8 +13,8 @@ from scipy import sparse
 from scipy.optimize import minimize
 
 import symrt as rt
-from symrt.explore import plots
-from symrt.explore.solid import spread
+from symrt.show import plots
+from symrt.show.solid import spread
 from symrt.system import Interaction, LinearSystem
 
 UNREACHED = ("ice", "upland", "brass", "table")

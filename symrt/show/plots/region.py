@@ -14,15 +14,13 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
-from symrt.explore.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, literal, wrapped
 from symrt.feedback.joint.pairs import JointRegion
 from symrt.feedback.reasons import Reason
+from symrt.show.plots.style import ABOVE, FEASIBLE, GREY, INK, NAME, Drawing, caption, headline, literal, wrapped
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
-
-__all__ = ["joint_region_figure"]
 
 FILL = "#bfe3d5"
 """The green of what is feasible, paler, so that lines and names stand out on it."""

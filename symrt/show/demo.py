@@ -13,17 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from symrt.disk import write_whole
-from symrt.explore.page import File, page
-from symrt.explore.plots import gamut_figure, png, ranges_figure
-from symrt.explore.study import WITHIN, Study, materials, study
-from symrt.explore.tables import fits_table, ranges_table
 from symrt.feedback import Fit
 from symrt.scene import Scene
+from symrt.show.page import File, page
+from symrt.show.plots import gamut_figure, png, ranges_figure
+from symrt.show.study import WITHIN, Study, materials, study
+from symrt.show.tables import fits_table, ranges_table
 from symrt.spectra import Palette, shade
 from symrt.spectra.files import png_bytes
 from symrt.spectra.viewing import clipped
-
-__all__ = ["Product", "write_demo"]
 
 SPAN = f"{WITHIN[0]:.2f} … {WITHIN[1]:.2f}"
 

@@ -16,9 +16,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from symrt.device.printing import Device
-from symrt.explore.body import body_of
-from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
-from symrt.explore.plots.style import (
+from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.intersections import AnyIntersection
+from symrt.gamut.slabs import Gamut
+from symrt.show.body import body_of
+from symrt.show.plots.panels import Paper, draw_directions, panel, panel_title
+from symrt.show.plots.style import (
     GREY,
     HAIR,
     INK,
@@ -30,16 +33,11 @@ from symrt.explore.plots.style import (
     literal,
     wrapped,
 )
-from symrt.explore.segments import Segment, Segments, Span, segments_of
-from symrt.explore.solid import View, facets, spread
-from symrt.explore.tables import inside_proves
-from symrt.gamut.gamuts import AnyGamut
-from symrt.gamut.intersections import AnyIntersection
-from symrt.gamut.slabs import Gamut
+from symrt.show.segments import Segment, Segments, Span, segments_of
+from symrt.show.solid import View, facets, spread
+from symrt.show.tables import inside_proves
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
-
-__all__ = ["device_text", "gamut_figure", "segments_figure", "solids_figure"]
 
 STEPS = 32
 """Pieces that a segment is drawn in, each in its own colour."""

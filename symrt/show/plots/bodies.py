@@ -6,11 +6,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from symrt.device.colorimetry import VISIBLE, lab, tristimulus
-from symrt.explore.body import body_of
-from symrt.explore.plots.gamut import device_text, solids_figure
-from symrt.explore.plots.panels import Paper, draw_directions, panel, panel_title
-from symrt.explore.plots.style import GREY, HAIR, INK, Drawing, caption, headline, literal, wrapped
-from symrt.explore.solid import View
 from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.hull import HullGamut
@@ -19,10 +14,13 @@ from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut, device_gamut
 from symrt.gamut.views import convex_solid
+from symrt.show.body import body_of
+from symrt.show.plots.gamut import device_text, solids_figure
+from symrt.show.plots.panels import Paper, draw_directions, panel, panel_title
+from symrt.show.plots.style import GREY, HAIR, INK, Drawing, caption, headline, literal, wrapped
+from symrt.show.solid import View
 from symrt.spectra.display import display_matrix, encode
 from symrt.spectra.library import spectrum
-
-__all__ = ["body_figure", "colours_figure", "intersection_figure", "prints_figure"]
 
 PIECES = 12
 """Parts into which each side of a triangle of colours is cut, to be bent into L*a*b*."""

@@ -4,14 +4,14 @@ Every function returns a matplotlib ``Figure`` and touches none of matplotlib's 
 show it.  Matplotlib is imported nowhere else.
 """
 
-from symrt.explore.plots.adapting import adapted_figure, mapped_figure
-from symrt.explore.plots.basis import basis_figure
-from symrt.explore.plots.bodies import body_figure, colours_figure, prints_figure
-from symrt.explore.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
-from symrt.explore.plots.fits import fit_figure
-from symrt.explore.plots.gamut import gamut_figure, segments_figure, solids_figure
-from symrt.explore.plots.region import joint_region_figure
-from symrt.explore.plots.style import png
+from symrt.show.plots.adapting import adapted_figure, mapped_figure
+from symrt.show.plots.basis import basis_figure
+from symrt.show.plots.bodies import body_figure, colours_figure, prints_figure
+from symrt.show.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
+from symrt.show.plots.fits import fit_figure
+from symrt.show.plots.gamut import gamut_figure, segments_figure, solids_figure
+from symrt.show.plots.region import joint_region_figure
+from symrt.show.plots.style import png
 
 __all__ = [
     "adapted_figure",

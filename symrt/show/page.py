@@ -5,8 +5,6 @@ import re
 from collections.abc import Iterable
 from itertools import groupby
 
-__all__ = ["page"]
-
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 74rem; margin: 2rem auto; padding: 0 1rem }
 figure { margin: 0 0 2.5rem } figcaption { color: #555; font-size: .9rem; max-width: 70ch }

@@ -6,8 +6,6 @@ from typing import Any
 
 from symrt.disk import write_whole
 
-__all__ = ["draw", "json_text"]
-
 
 def json_text(record: Any) -> str:
     """A record for a program to read; numbers that are not finite are refused.
@@ -24,7 +22,7 @@ def json_text(record: Any) -> str:
 
 
 def draw(path: Path, figure: str, *arguments: Any) -> None:
-    """Draw a figure of `symrt.explore.plots` into a PNG file.
+    """Draw a figure of `symrt.show.plots` into a PNG file.
 
     Examples
     --------
@@ -36,6 +34,6 @@ def draw(path: Path, figure: str, *arguments: Any) -> None:
     ...     (Path(folder) / "gamut.png").stat().st_size > 10_000
     True
     """
-    from symrt.explore import plots  # noqa: PLC0415  # matplotlib is slow to import
+    from symrt.show import plots  # noqa: PLC0415  # matplotlib is slow to import
 
     write_whole(path, plots.png(getattr(plots, figure)(*arguments)))

@@ -15,25 +15,6 @@ from matplotlib.textpath import TextPath
 from symrt.spectra.bands import Number
 from symrt.spectra.png import srgb_chunks
 
-__all__ = [
-    "ABOVE",
-    "BELOW",
-    "FEASIBLE",
-    "GREY",
-    "HAIR",
-    "INK",
-    "NAME",
-    "Drawing",
-    "caption",
-    "caption_height",
-    "component",
-    "headline",
-    "literal",
-    "png",
-    "text_width",
-    "wrapped",
-]
-
 INK, GREY, HAIR = "#1a1a1a", "#5f646b", "#9aa3b0"
 ABOVE, BELOW, FEASIBLE = "#D55E00", "#0072B2", "#009E73"
 """Vermilion, blue and bluish green of Okabe and Ito's set, which colour-blind readers can tell apart."""
