@@ -78,7 +78,7 @@ def drawn(line: Line, asked: Limits, counted: Weighed, now: Number, most: int, e
         darker = darker_than_black(line, asked, counted.pixels, now)
         counted = _taken(counted, np.flatnonzero(~darker), "pixels darker than the device's black print as it")
     few = counted.pixels
-    if all(solid.bound is not None for solid in asked.solids) or len(few) <= most:
+    if not asked.slow or len(few) <= most:
         return counted
     chosen = [_extreme(line, few, most // 2)] if extremes else []
     evenly = np.linspace(0, len(few) - 1, most - sum(map(len, chosen))).round().astype(int)

@@ -73,6 +73,11 @@ class Limits:
         return self.gamut.bands
 
     @property
+    def slow(self) -> bool:
+        """Whether some part of the gamut is no intersection of slabs, so that pixels are asked about one by one."""
+        return any(solid.bound is None for solid in self.solids)
+
+    @property
     def note(self) -> str:
         """Gamut, reference, exposure, and what is modelled or left out, in words."""
         labels = [label for label, hidden in zip(self.bands.labels, self.masked, strict=True) if hidden]

@@ -145,7 +145,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
         width=system.width,
         sensitivities=tuple((stops.moves(p.below, p.low), stops.moves(p.above, p.high)) for p in found),
         seconds=time.perf_counter() - start,
-        again=None if asked.solids or isinstance(gamut, UnevenGamut) else again,
+        again=None if asked.slow or isinstance(gamut, UnevenGamut) else again,
     )
 
 

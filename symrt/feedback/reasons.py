@@ -122,7 +122,7 @@ class Feasible:
         long as the same pixel stops it; none where no pixel does.
     again
         The same question with another parameter at 0.99, against the same white; None where that takes long, of hulls
-        and inks.
+        and inks and what they are intersected with.
     """
 
     parameter: Parameter

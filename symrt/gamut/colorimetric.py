@@ -59,7 +59,7 @@ class ColorimetricGamut(OfPrinter):
         print's if that is less.
     gap, gap_delta_e
         By how much prints that are not among the samples miss that hull: the same share, and in CIEDE2000; see
-        `colorimetric_gamut`.
+        `colorimetric_gamut`.  None if no print could be left out, of a chart of four.
 
     Examples
     --------
@@ -75,8 +75,8 @@ class ColorimetricGamut(OfPrinter):
     normals: Float[np.ndarray, "face 3"]
     offsets: Float[np.ndarray, " face"]
     tolerance: float
-    gap: float
-    gap_delta_e: float
+    gap: float | None
+    gap_delta_e: float | None
 
     model = "colorimetric"
 
@@ -88,9 +88,12 @@ class ColorimetricGamut(OfPrinter):
     @property
     def name(self) -> str:
         """The gamut in words."""
+        gap = "not measured: too few prints"
+        if self.gap is not None and self.gap_delta_e is not None:
+            gap = f"{self.gap:.2%}, {self.gap_delta_e:.1f} ΔE2000"
         return (
             f"colours of {self.device.name}'s prints under {self.light}, within {self.tolerance:.2%} of Y "
-            f"(sampling gap {self.gap:.2%}, {self.gap_delta_e:.1f} ΔE2000)"
+            f"(sampling gap {gap})"
         )
 
     @property
@@ -198,7 +201,7 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
             "a solid needs prints of more colours"
         ) from None
     gap, gap_delta_e = _sampling_gap(device, light, xyz, hull)
-    wide = max(float(tolerance), gap)
+    wide = max(float(tolerance), gap or 0.0)
     if wide:
         # Every face gives way by a share of Y, and by no more than at the lightest print: without that what lies
         # inside would have no end upwards.  The corners are where the faces meet then.
@@ -212,11 +215,12 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
 
 def _sampling_gap(
     device: Device, light: str, xyz: Float[np.ndarray, "print 3"], hull: ConvexHull
-) -> tuple[float, float]:
+) -> tuple[float, float] | tuple[None, None]:
     """How far colours of prints that are not among the samples are outside the hull, by luminance and in CIEDE2000.
 
     A printer's model prints some anew, saturated ones among them, and the farthest counts.  Without one each of some
     prints is taken from the chart in turn, and 95 % count: the corners of a gamut are far from all other prints.
+    Nothing is known where no other prints are a solid.
     """
     draw = np.random.default_rng(SEED)
     if device.printer and device.modelled:
@@ -234,7 +238,7 @@ def _sampling_gap(
         share = 95.0
     misses = np.array([_missed(colour, left, light) for colour, left in pairs if left is not None])
     if not len(misses):
-        return 0.0, 0.0
+        return None, None
     distance, difference = np.percentile(misses, share, axis=0)
     return float(distance), float(difference)
 

@@ -39,7 +39,7 @@ class HullGamut(OfPrinter):
         Root mean square difference up to which a spectrum counts as inside.
     gap, gap_95
         The difference by which prints that are not among the samples miss the hull: the median, or the largest where a
-        printer's model makes them; and what 95 % of them do not pass.
+        printer's model makes them; and what 95 % of them do not pass.  None of a single print.
 
     Examples
     --------
@@ -51,8 +51,8 @@ class HullGamut(OfPrinter):
 
     device: Device
     tolerance: float
-    gap: float
-    gap_95: float
+    gap: float | None
+    gap_95: float | None
 
     model = "hull"
     label = "necessary, as far as the samples are dense"
@@ -61,10 +61,10 @@ class HullGamut(OfPrinter):
     @property
     def name(self) -> str:
         """The gamut in words."""
-        return (
-            f"hull of {self.device.name}'s prints, within {self.tolerance:.4f} RMS (sampling gap {self.gap:.4f}, 95 % "
-            f"within {self.gap_95:.4f})"
-        )
+        gap = "not measured: one print"
+        if self.gap is not None and self.gap_95 is not None:
+            gap = f"{self.gap:.4f}, 95 % within {self.gap_95:.4f}"
+        return f"hull of {self.device.name}'s prints, within {self.tolerance:.4f} RMS (sampling gap {gap})"
 
     def distance(self, spectra: PixelBands) -> PerPixel:
         """Root mean square difference from the nearest mixture of prints."""
@@ -235,15 +235,15 @@ def hull_gamut(device: Device, tolerance: Number = TOLERANCE) -> HullGamut:
     if not 0 <= tolerance <= 1:
         raise ValueError(f"tolerance = {tolerance}: a root mean square difference of reflectances is from 0 to 1")
     gap, gap_95 = _sampling_gap(device)
-    return HullGamut(device, max(float(tolerance), gap), gap, gap_95)
+    return HullGamut(device, max(float(tolerance), gap or 0.0), gap, gap_95)
 
 
-def _sampling_gap(device: Device) -> tuple[float, float]:
+def _sampling_gap(device: Device) -> tuple[float, float] | tuple[None, None]:
     """How far prints that are not among the samples are from the hull, by root mean square.
 
     A printer's model prints some anew, and the farthest counts.  Without one each of some prints is taken from the
     chart in turn; since corners of the hull are far from all others, the median counts, and what 95 % do not pass is
-    told beside it.
+    told beside it.  Of a single print nothing is left to compare it with.
     """
     draw = np.random.default_rng(SEED)
     if device.printer and device.modelled:
@@ -255,7 +255,7 @@ def _sampling_gap(device: Device) -> tuple[float, float]:
         return float(misses.max()), float(np.percentile(misses, 95))
     tried = draw.permutation(len(device.samples))[:TRIED]
     if len(device.samples) < 2:
-        return 0.0, 0.0
+        return None, None
     distances = [
         np.linalg.norm(s - nearest_mixtures(np.delete(device.samples, i, axis=0), s[None])[0])
         for i, s in zip(tried, device.samples[tried], strict=True)

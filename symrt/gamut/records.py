@@ -79,8 +79,14 @@ def _check_slabs(gamut: Gamut) -> None:
 
 
 def _check_hull(gamut: HullGamut) -> None:
-    _hold(0 <= gamut.gap <= gamut.tolerance < np.inf, "the tolerance is less than the sampling gap, or not a number")
-    _hold(0 <= gamut.gap_95 < np.inf, "the sampling gap of 95 % of the prints is below 0, or not a number")
+    _check_gap(gamut.tolerance, gamut.gap, gamut.gap_95, "of 95 % of the prints")
+
+
+def _check_gap(tolerance: float, gap: float | None, second: float | None, which: str) -> None:
+    """Hold a sampling gap, measured in two ways or not at all, against the tolerance that is never less."""
+    _hold((gap is None) == (second is None), "the sampling gap is measured in one way and not in the other")
+    _hold(0 <= (gap or 0.0) <= tolerance < np.inf, "the tolerance is less than the sampling gap, or not a number")
+    _hold(0 <= (second or 0.0) < np.inf, f"the sampling gap {which} is below 0, or not a number")
 
 
 def _check_inks(gamut: InkGamut) -> None:
@@ -89,8 +95,7 @@ def _check_inks(gamut: InkGamut) -> None:
 
 
 def _check_colorimetric(gamut: ColorimetricGamut) -> None:
-    _hold(0 <= gamut.gap <= gamut.tolerance < np.inf, "the tolerance is less than the sampling gap, or not a number")
-    _hold(0 <= gamut.gap_delta_e < np.inf, "the sampling gap in ΔE2000 is below 0, or not a number")
+    _check_gap(gamut.tolerance, gamut.gap, gamut.gap_delta_e, "in ΔE2000")
     beyond = gamut.colours @ gamut.normals.T - gamut.offsets
     _hold(np.all(beyond <= ROUNDING), "a corner is outside a face")
     _hold(np.all(np.sum(beyond >= -ROUNDING, axis=0) >= 3), "a face has fewer than three corners")
@@ -123,8 +128,8 @@ GAMUTS = {
     ),
     "monitor": Form(MonitorGamut, _check_drive, {"drive": "3 band"}),
 }
-OPTIONAL = {"weights"}
-"""Arrays that a record may be without."""
+OPTIONAL = {"weights", "gap", "gap_95", "gap_delta_e"}
+"""Arrays and numbers that a record may be without."""
 CHOICES = {"black": ("clip", "luminance", "strict")}
 """What a text may be, where it may not be anything."""
 
@@ -202,8 +207,9 @@ def gamut_of(record: Header, devices: list[Device | Monitor], prefix: str, array
 def _packed(thing: Any, form: Form, prefix: str, arrays: Arrays) -> Header:
     given = {name: getattr(thing, name) for name in form.arrays}
     arrays |= {f"{prefix}{name}": array for name, array in given.items() if array is not None}
-    numbers = {name: float(getattr(thing, name)).hex() for name in form.numbers}
-    return {name: getattr(thing, name) for name in form.texts} | numbers
+    numbers = {name: getattr(thing, name) for name in form.numbers}
+    texts = {name: getattr(thing, name) for name in form.texts}
+    return texts | {name: None if number is None else float(number).hex() for name, number in numbers.items()}
 
 
 def _unpacked(record: Header, form: Form, prefix: str, arrays: Arrays, sizes: dict[str, int], **more: Any) -> Any:
@@ -211,7 +217,8 @@ def _unpacked(record: Header, form: Form, prefix: str, arrays: Arrays, sizes: di
     parts: dict[str, Any] = {name: _text(record[name]) for name in form.texts}
     for name in CHOICES.keys() & parts.keys():
         _hold(parts[name] in CHOICES[name], f"{name} is {shown(parts[name])}, none of {', '.join(CHOICES[name])}")
-    parts |= {name: float.fromhex(_text(record[name])) for name in form.numbers}
+    unmeasured = {name for name in form.numbers if name in OPTIONAL and record[name] is None}
+    parts |= {name: None if name in unmeasured else float.fromhex(_text(record[name])) for name in form.numbers}
     for name, axes in form.arrays.items():
         if f"{prefix}{name}" in arrays or name not in OPTIONAL:
             parts[name] = _shaped(f"{prefix}{name}", arrays.pop(f"{prefix}{name}"), axes, sizes)

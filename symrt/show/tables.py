@@ -244,7 +244,9 @@ def region_record(found: JointRegion) -> dict[str, Any]:
         "parameters": [str(found.one), str(found.other)],
         "within": [list(ends) for ends in found.within],
         "share of all pairs": found.share,
+        "error of that share": found.share_error,
         "share of the separate ranges' rectangle": found.separate_inside,
+        "error of the rectangle's share": found.separate_error,
         "separate": [[list(interval) for interval in alone.intervals] for alone in found.separate],
         "box": None if found.box is None else {name: list(ends) for name, ends in found.box.box.items()},
         "lines": [

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from feedback.synthetic import BANDS, awkward, palette, system
 from scipy import sparse
+from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import symrt as rt
 from symrt.feedback.caps import above_one
@@ -277,3 +278,33 @@ def test_the_share_ends_where_a_region_does_that_no_range_ends_at():
         image, colours, unit, rt.Scale("ice"), rt.Scale("sea"), within=within, steps=9, cap=False, progress=False
     )
     assert found.share == pytest.approx((1 - 0.31) ** 2 / 2 / (2.99 * 2.7), rel=1e-4)
+
+
+def polygon_area(slopes, low, high):
+    """The area of the pairs in a square whose weighted sums stay below 1, by another library."""
+    sides = [[-1, 0, low[0]], [0, -1, low[1]], [1, 0, -high[0]], [0, 1, -high[1]]]
+    halves = np.vstack([np.column_stack([slopes, -np.ones(len(slopes))]), sides])
+    # Just above the lower corner lies inside all of them.
+    inside = np.array(low) + 1e-6
+    return ConvexHull(HalfspaceIntersection(halves, inside).intersections).volume
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_shares_are_as_near_a_polygons_areas_as_they_say(seed):
+    # Oracle: half-planes that each pixel's weighted sum of two scales makes; bends stand anywhere between lines.
+    random = np.random.default_rng(seed)
+    slopes = np.exp(random.uniform(-2.5, -0.5, (6, 2)))
+    image, colours = two_pixels(1.0, 1.0)
+    image = replace(image, G=sparse.csr_array(0.5 * slopes), width=6)
+    unit = rt.device_gamut(rt.load_device("dye3-endura-premier"), "unit")
+    ask = {"steps": 9, "cap": False, "progress": False}
+    found = joint_region(image, colours, unit, rt.Scale("ice"), rt.Scale("sea"), **ask)
+    area = polygon_area(slopes, (0.01, 0.01), (3, 3)) / 2.99**2
+    assert abs(found.share - area) <= found.share_error + 1e-9
+    assert found.share_error <= 2e-3 * found.share
+
+    # The rectangle of the separate ranges, each with the other at 1.
+    (a, b), (c, d) = (alone.intervals[0] for alone in found.separate)
+    part = polygon_area(slopes, (a, c), (b, d)) / ((b - a) * (d - c))
+    assert abs(found.separate_inside - part) <= found.separate_error + 1e-6
+    assert found.separate_error <= 2e-3 * found.separate_inside

@@ -10,7 +10,7 @@ from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
 from symrt.feedback.ranges import feasible
 from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.show.tables import feasible_record
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -200,3 +200,20 @@ def test_a_derivative_that_another_pixel_belies_is_not_said():
     assert {one.name: one.change for one in found.moves[0][1]}["b"] == pytest.approx(1e-4, rel=1e-6)
     said = " ".join(repr(found).split())
     assert "1 % less b moves the upper limit by +0.01 %" in said or "1 % less b by +0.01 %" in said
+
+
+def test_a_colorimetric_gamut_says_what_1_percent_less_does():
+    image = LinearSystem.of(
+        "0.25*key*a.diffuse + 0.1*fill*a.diffuse", "0.2*key*a.diffuse", white={"key": 0.5, "fill": 0.5}
+    )
+    colours = Palette(BANDS, {"key": 1.0, "fill": 0.5, "a.diffuse": DEVICE.white / 2})
+    gamut = device_gamut(DEVICE, "colorimetric")
+    wide = {"within": (0.01, 100.0)}
+    found = feasible(image, colours, gamut, Scale("a"), reference=Reference("key"), cap=False, **wide)
+    moves = {one.name: one.change for one in found.moves[-1][1]}
+    assert set(moves) == {"key", "fill", "exposure"}
+    for name, change in moves.items():
+        after = ends(image, colours, gamut, Scale("a"), name, 0.99, **wide)[-1, 1]
+        assert change == pytest.approx(after / found.high - 1, rel=1e-6, abs=1e-9)
+    assert "1 % less" in repr(found)
+    assert feasible(image, colours, device_gamut(DEVICE, "hull"), Scale("a")).again is None

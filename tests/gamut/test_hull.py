@@ -8,7 +8,7 @@ from scipy.optimize import linprog, minimize, nnls
 from scipy.spatial import ConvexHull
 
 from symrt.device import Device, load_device
-from symrt.gamut import device_gamut
+from symrt.gamut import device_gamut, load_gamut, save_gamut
 from symrt.gamut.colorimetric import colorimetric_gamut
 from symrt.gamut.hull import HullGamut, hull_gamut
 from symrt.gamut.mixtures import _by_corrals, nearest_mixtures
@@ -256,6 +256,19 @@ def test_a_chart_of_few_prints_holds_their_colours(device, count):
     assert gamut.contains(samples).all()
     assert 0 < gamut.gap < np.inf
     assert not gamut.contains(np.full((1, len(device.bands)), 100.0)).any()
+
+
+def test_a_gap_that_cannot_be_measured_is_not_called_0(tmp_path):
+    # Without one of four prints no solid is left to look from, without a single one nothing is.
+    hues = np.random.default_rng(2).uniform(0.1, 0.9, (4, 31))
+    four, one = chart(hues), chart(hues[:1])
+    for gamut in (colorimetric_gamut(four), hull_gamut(one)):
+        assert gamut.gap is None
+        assert "sampling gap not measured" in repr(gamut)
+        save_gamut(tmp_path / "few.npz", gamut)
+        again = load_gamut(tmp_path / "few.npz")
+        assert again.gap is None
+        assert repr(again) == repr(gamut)
 
 
 def test_a_hulls_limits_are_inside_for_certain():

@@ -17,6 +17,7 @@ from tqdm.auto import tqdm
 from symrt.errors import require
 from symrt.feedback.along import along
 from symrt.feedback.asking import drawn
+from symrt.feedback.joint.areas import THIN, between_lines, lengths_within
 from symrt.feedback.joint.boxes import SafeBox
 from symrt.feedback.joint.crossing import Image, Line, Plane, image, line_at, spans_of, without_unfixable
 from symrt.feedback.joint.freedom import safe_box
@@ -39,8 +40,9 @@ ASKED = 200
 """Pixels that a hull, or inks, are asked about on every line."""
 NUDGE = 1e-9
 """By which share lines stand on either side of where a range ends."""
-EDGE = 1e-5
-"""Share of the range within which the first and the last line of a region stand beside lines that hold nothing."""
+CLOSE = 1e-3
+"""Share of the areas that may hide between lines before more of them are drawn."""
+EVERYWHERE = ((-np.inf, np.inf),)
 
 
 def joint_region(  # noqa: PLR0913  # a public verb names its options
@@ -68,7 +70,8 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     within
         The range of each, its usual one where None is given.
     steps
-        Lines drawn evenly over the range of the one; a few more stand where ranges end.
+        Lines drawn evenly over the range of the one; a few more stand where ranges end, and up to as many again where
+        the region's edge bends.
     allowed_out, mask, reference, cap
         As for `feasible`.
     most
@@ -120,8 +123,15 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     seen = without_unfixable(plane, seen, values)
     budget = int(allowed_out * seen.objects + 1e-9) - len(seen.outside) - len(seen.unfixable)
     across = np.linspace(*ranges[1], steps)
-    with tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress) as bar:
-        drawn_lines = _to_its_ends(partial(line_at, plane, seen, budget=budget), values, EDGE, bar.update)
+    bar = tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress)
+    with bar:
+
+        def draw(value: float) -> Line:
+            bar.update()
+            return line_at(plane, seen, value, budget=budget)
+
+        drawn_lines = _to_its_ends(draw, values)
+        hidden = _where_it_bends(draw, drawn_lines, separate, most=steps)
     values, lines = np.array(sorted(drawn_lines)), [drawn_lines[value] for value in sorted(drawn_lines)]
     found = JointRegion(
         one=one,
@@ -133,7 +143,9 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
         across=across,
         outside=np.array([line.curve.outside(across) for line in lines]),
         separate=separate,
+        hidden=hidden[0],
         separate_inside=None,
+        separate_hidden=hidden[1],
         box=box,
         verdict="complete" if budget >= 0 else "rest-only",
         untouched_outside=seen.outside,
@@ -181,26 +193,52 @@ def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen
     return values[(low <= values) & (values <= high)]
 
 
-def _to_its_ends(
-    draw: Callable[[float], Line], values: Float[np.ndarray, " line"], edge: float, tick: Callable[[], object]
-) -> dict[float, Line]:
+def _to_its_ends(draw: Callable[[float], Line], values: Float[np.ndarray, " line"]) -> dict[float, Line]:
     """The lines at some values, and lines between one that holds pairs and one that holds none until they are close.
 
     So a sum over the lines ends where the region does, not half a step beyond.
     """
-    lines = {}
-    for value in values.tolist():
-        lines[value] = draw(value)
-        tick()
-    least = edge * (values[-1] - values[0])
+    lines = {value: draw(value) for value in values.tolist()}
+    least = THIN * (values[-1] - values[0])
     for first, last in pairwise(values.tolist()):
         while last - first > least and bool(lines[first].pieces) != bool(lines[last].pieces):
             middle = (first + last) / 2
             lines[middle] = draw(middle)
-            tick()
             same = bool(lines[middle].pieces) == bool(lines[first].pieces)
             first, last = (middle, last) if same else (first, middle)  # noqa: PLW2901  the pair closes in
     return lines
+
+
+def _where_it_bends(
+    draw: Callable[[float], Line], lines: dict[float, Line], separate: tuple[Feasible, Feasible], most: int
+) -> tuple[float, float]:
+    """Draw lines in the gaps that may hide most of the area, at most `most`; the areas that may be hidden still.
+
+    They are of the region, and of what of it lies in the separate ranges.
+    """
+    left = most
+    while True:
+        # What each gap may hide of either area.
+        values = np.array(sorted(lines))
+        intervals = tuple(tuple((piece.low, piece.high) for piece in lines[value].pieces) for value in values.tolist())
+        region = lengths_within(intervals, EVERYWHERE)
+        shared = lengths_within(intervals, separate[1].intervals)
+        shared[~_inside(values, separate[0].intervals)] = 0
+        hidden = [between_lines(values, lengths) for lengths in (region, shared)]
+
+        # Enough is known, or the next line halves the gap that hides the largest share.
+        areas = [np.trapezoid(lengths, values) for lengths in (region, shared)]
+        shares = [gaps / area if area else np.zeros_like(gaps) for gaps, area in zip(hidden, areas, strict=True)]
+        if not left or max(share.sum() for share in shares) <= CLOSE:
+            return float(hidden[0].sum()), float(hidden[1].sum())
+        worst = int(np.maximum(*shares).argmax())
+        middle = float(values[worst] + values[worst + 1]) / 2
+        lines[middle] = draw(middle)
+        left -= 1
+
+
+def _inside(values: Float[np.ndarray, " line"], ranges: tuple[tuple[float, float], ...]) -> Bool[np.ndarray, " line"]:
+    return np.any([(low <= values) & (values <= high) for low, high in ranges] or [values < -np.inf], axis=0)
 
 
 def _box(plane: Plane, gamut: ConvexGamut | UnevenGamut, reference: Reference | None) -> SafeBox | None:
@@ -219,11 +257,11 @@ def _box(plane: Plane, gamut: ConvexGamut | UnevenGamut, reference: Reference | 
 
 def _share_of_separate(found: JointRegion) -> float | None:
     """Share of the rectangle of the separate ranges that the region covers."""
-    covered = whole = 0.0
-    second = found.separate[1].intervals
-    lengths = [sum(max(0.0, min(b, d) - max(a, c)) for a, b in line for c, d in second) for line in found.intervals]
-    for low, high in found.separate[0].intervals:
+    first, second = (alone.intervals for alone in found.separate)
+    lengths = lengths_within(found.intervals, second)
+    covered = 0.0
+    for low, high in first:
         at = np.unique([low, *found.values[(low < found.values) & (found.values < high)], high])
         covered += float(np.trapezoid(np.interp(at, found.values, lengths), at))
-        whole += (high - low) * sum(d - c for c, d in second)
+    whole = found.separate_area
     return covered / whole if whole else None

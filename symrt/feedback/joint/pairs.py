@@ -16,6 +16,8 @@ from symrt.table import sentences
 Ends = tuple[float, float]
 Pair = tuple[Number, Number]
 Pixels = Int[np.ndarray, " _"]
+SHOWS = 0.0005
+"""An error from which on a share's first decimal place may be another."""
 
 
 def given_value(parameter: Parameter) -> float:
@@ -45,8 +47,12 @@ class JointRegion:
         The share of the object pixels outside at each line and each of `across`.
     separate
         The range of each parameter with the other as given.
+    hidden
+        The area that may hide between lines, or be too much: a bound where the region is convex, else an estimate.
     separate_inside
         Share of the rectangle of those ranges that keeps the image inside; None where a range is empty or a point.
+    separate_hidden
+        As `hidden`, of what lies in that rectangle.
     box
         The largest rectangle in which both may move freely; None if they are not scales over one range.
     verdict, untouched_outside, unfixable, objects, note, width, seconds
@@ -66,7 +72,9 @@ class JointRegion:
     across: Float[np.ndarray, " step"]
     outside: Float[np.ndarray, "line step"]
     separate: tuple[Feasible, Feasible]
+    hidden: float
     separate_inside: float | None
+    separate_hidden: float
     box: SafeBox | None
     verdict: Literal["complete", "rest-only"]
     untouched_outside: Pixels
@@ -84,10 +92,29 @@ class JointRegion:
     @property
     def share(self) -> float:
         """Share of all pairs asked about that keep the image inside."""
-        (low, high), (bottom, top) = self.within
-        everything = (high - low) * (top - bottom)
         lengths = [sum(b - a for a, b in line) for line in self.intervals]
-        return float(np.trapezoid(lengths, self.values)) / everything
+        return float(np.trapezoid(lengths, self.values)) / self._area
+
+    @property
+    def share_error(self) -> float:
+        """By how much `share` may be off: a bound where the region is convex, an estimate where it is not."""
+        return self.hidden / self._area
+
+    @property
+    def separate_area(self) -> float:
+        """The area of the rectangle of the separate ranges."""
+        first, second = (sum(high - low for low, high in alone.intervals) for alone in self.separate)
+        return first * second
+
+    @property
+    def separate_error(self) -> float | None:
+        """By how much `separate_inside` may be off, as `share_error`."""
+        return None if self.separate_inside is None else self.separate_hidden / self.separate_area
+
+    @property
+    def _area(self) -> float:
+        (low, high), (bottom, top) = self.within
+        return (high - low) * (top - bottom)
 
     def __contains__(self, pair: Pair) -> bool:
         """Whether a pair lies in the intervals of its line, or of the lines on both its sides."""
@@ -110,12 +137,13 @@ class JointRegion:
         (low, high), (bottom, top) = self.within
         lines = [
             f"Of all pairs, {self.one} in {low:g} … {high:g} and {self.other} in {bottom:g} … {top:g}, "
-            f"{self.share:.1%} keep {whom} inside ({self.verdict})."
+            f"{_measured(self.share, self.share_error)} keep {whom} inside ({self.verdict})."
         ]
         ranges = [" or ".join(f"{a:.4g} … {b:.4g}" for a, b in found.intervals) or "none" for found in self.separate]
         lines.append(f"One by one, {self.one}: {ranges[0]}; {self.other}: {ranges[1]}.")
-        if self.separate_inside is not None:
-            lines.append(f"Of the rectangle of these ranges {self.separate_inside:.1%} is inside.")
+        if self.separate_inside is not None and self.separate_error is not None:
+            share = _measured(self.separate_inside, self.separate_error)
+            lines.append(f"Of the rectangle of these ranges {share} is inside.")
         if self.box is not None:
             sides = "; ".join(f"{name} {a:.4g} … {b:.4g}" for name, (a, b) in self.box.box.items())
             lines.append(f"Both are free of each other in {sides}.")
@@ -124,3 +152,8 @@ class JointRegion:
             (len(self.unfixable), "outside on every line"),
         )
         return lines + [f"{n} of {self.objects} object pixels are {what}." for n, what in counts if n]
+
+
+def _measured(share: float, error: float) -> str:
+    """A share, with its error where that shows."""
+    return f"{share:.1%}" + (f" (± {error:.1%})" if error >= SHOWS else "")
