@@ -1,4 +1,4 @@
-"""What is there: shapes, materials, lights and a camera, from Python or from a file (before step 1)."""
+"""The parts of a scene: shapes, materials, lights and a camera, from Python or from a file (before step 1)."""
 
 from symrt.reading import shipped_scene
 from symrt.scene.cameras import Camera, Window, camera_rays

@@ -17,18 +17,18 @@ from symrt.geometry.rays import Rays
 from symrt.scene.checks import Number, check_number, check_triple, check_whole, floats, settle
 
 LARGEST = 32768
-"""Pixels on a side: a pixel's number then fits 32 bits."""
+"""Largest number of pixels on a side: a pixel's number then fits 32 bits."""
 
 
 @hinting
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """Where the eye is, what it looks at, and the film behind it.
+    """A viewpoint, the point it looks at, and a film of square pixels.
 
     Parameters
     ----------
     position, target
-        The eye, and the point in the middle of the picture.
+        The viewpoint, and the point in the middle of the picture.
     up
         A direction that points up in the picture.
     field_of_view
@@ -36,9 +36,9 @@ class Camera:
     view_width
         Width in scene units that an orthographic camera sees.
     width, height
-        Of the film in pixels.  Pixels are square.
+        Size of the film in pixels.
     samples
-        n for n × n regular samples a pixel; 1 is the pixel's centre.
+        Number n of samples across a pixel and down it: n × n regular ones, for 1 the pixel's centre.
 
     Examples
     --------
@@ -69,7 +69,7 @@ class Camera:
 
     @property
     def rays_a_pixel(self) -> int:
-        """Samples, and so rays of the camera, in one pixel."""
+        """Number of samples, and so of camera rays, in one pixel."""
         return self.samples**2
 
 
@@ -84,7 +84,7 @@ class Window:
 
 
 def camera_rays(camera: Camera, window: Window | None = None) -> Rays:
-    """Rays through the pixels of a window of the film, or of all of it.
+    """The camera's rays through the pixels of a window, or of the whole film.
 
     Pixels run along rows from the top left; the n × n samples of a pixel follow each other, along rows too: ray r
     belongs to the window's pixel r // n².
@@ -98,13 +98,18 @@ def camera_rays(camera: Camera, window: Window | None = None) -> Rays:
     window = window or Window(0, 0, camera.width, camera.height)
     x, y = _film(camera, window)
     forward, right, up = _frame(camera)
+
+    # Half the width of what is seen: at distance 1 from the eye, or of the parallel view itself.
     if camera.type == "perspective":
         half = math.tan(math.radians(_given(camera.field_of_view)) / 2)
     else:
         half = _given(camera.view_width) / 2
+
     # Film coordinates from -1 at the left and the bottom to 1; pixels are square.
     across = (2 * x - 1) * half
     upwards = (1 - 2 * y) * half * (camera.height / camera.width)
+
+    # Perspective rays leave one point in many directions, orthographic rays many points in one direction.
     origin = np.broadcast_to(np.array(camera.position)[:, None], (3, x.size))
     if camera.type == "perspective":
         return Rays(origin=origin.copy(), direction=normalise(forward + right * across + up * upwards))
@@ -112,7 +117,7 @@ def camera_rays(camera: Camera, window: Window | None = None) -> Rays:
 
 
 def moved_camera(camera: Camera, by: Triple) -> Camera:
-    """The same camera when the whole scene moves by the vector `by`.
+    """The camera after the whole scene has moved by the vector `by`.
 
     Examples
     --------
@@ -126,6 +131,7 @@ def moved_camera(camera: Camera, by: Triple) -> Camera:
 
 
 def _film(camera: Camera, window: Window) -> tuple[np.ndarray, np.ndarray]:
+    """Film positions x and y of all samples in a window, pixel by pixel."""
     n = camera.samples
     within = (np.arange(n) + 0.5) / n
     x = (window.left + np.arange(window.width)[:, None] + within) / camera.width
@@ -137,6 +143,7 @@ def _film(camera: Camera, window: Window) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _frame(camera: Camera) -> tuple[Vectors, Vectors, Vectors]:
+    """Unit vectors forward, right and up, as the camera sees them."""
     position, target, up = (np.array(v, dtype=float) for v in (camera.position, camera.target, camera.up))
     forward = normalise((target - position)[:, None])
     right = normalise(np.cross(forward, normalise(up[:, None]), axis=0))
@@ -167,6 +174,8 @@ def _film_faults(camera: Camera) -> list[str]:
 def _angle_faults(camera: Camera) -> list[str]:
     if camera.type not in ("perspective", "orthographic"):
         return [f"type = {shown(camera.type)}: it must be 'perspective' or 'orthographic'"]
+
+    # An orthographic camera sees a width.
     if camera.type == "orthographic":
         if camera.field_of_view is not None:
             return ["field_of_view: an orthographic camera has none; give view_width, in scene units, instead"]
@@ -176,6 +185,8 @@ def _angle_faults(camera: Camera) -> list[str]:
         if not faults and not camera.view_width > 0:
             faults = [f"view_width = {camera.view_width}: it must be more than 0, in scene units"]
         return faults
+
+    # A perspective camera sees an angle.
     if camera.view_width is not None:
         return ["view_width: a perspective camera has none; give field_of_view, or type = 'orthographic'"]
     faults = list(check_number("field_of_view", camera.field_of_view))

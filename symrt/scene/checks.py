@@ -1,4 +1,4 @@
-"""What a record demands of its values: each check yields one line that says key, value, rule and remedy."""
+"""Checks of a record's values: each yields one line a fault, with key, value, rule and remedy."""
 
 import math
 import numbers
@@ -12,7 +12,7 @@ Number = int | float
 
 
 def check_number(key: str, value: object) -> Iterator[str]:
-    """A finite number.
+    """Check that a value is a finite number.
 
     Examples
     --------
@@ -26,7 +26,7 @@ def check_number(key: str, value: object) -> Iterator[str]:
 
 
 def check_whole(key: str, value: object, most: int, least: int = 1) -> Iterator[str]:
-    """A whole number from `least` to `most`.
+    """Check that a value is a whole number from `least` to `most`.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def check_whole(key: str, value: object, most: int, least: int = 1) -> Iterator[
 
 
 def check_triple(key: str, value: Any, *, direction: bool = False) -> Iterator[str]:
-    """Three finite numbers; not all zero if they are a direction.
+    """Check that a value is three finite numbers, and not all zero if they are a direction.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def check_triple(key: str, value: Any, *, direction: bool = False) -> Iterator[s
 
 
 def check_name(key: str, value: object) -> Iterator[str]:
-    """A name that formulas and palettes can use.
+    """Check that a value is a name that formulas and palettes can use.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def check_name(key: str, value: object) -> Iterator[str]:
 
 
 def floats(value: Triple) -> tuple[float, float, float]:
-    """The three numbers as floats, whatever kind of number they were.
+    """Three numbers of any kind as floats.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Whether the parts of a scene fit each other: names, references, files (before step 1).
+"""Checks that the parts of a scene fit each other: names, references, files (before step 1).
 
-Each check takes pairs of a key and what stands there, so that it serves a finished `Scene` and the raw tables of a file
-that has other faults too; it yields one line for each fault.
+Each check takes pairs of a key and its value, so that it serves a finished `Scene` and the raw tables of a file that
+has other faults too; it yields one line for each fault.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -16,7 +16,7 @@ Keyed = Iterable[tuple[str, Any]]
 
 
 def name_faults(names: Keyed) -> Iterator[str]:
-    """Names that formulas cannot use, and names that are used twice; each comes with the key of its table.
+    """Report names that formulas cannot use, and names that are used twice; each comes with the key of its table.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def name_faults(names: Keyed) -> Iterator[str]:
 
 
 def reference_faults(references: Keyed, known: Collection[str], kind: str) -> Iterator[str]:
-    """References to what does not exist.
+    """Report references to names that do not exist.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def named_materials(key: str, material: Any) -> list[tuple[str, Any]]:
 
 
 def file_faults(files: Keyed, folder: Path) -> Iterator[str]:
-    """Files that are missing, or that lie outside of the scene's folder.
+    """Report files that are missing, or that lie outside of the scene's folder.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def file_faults(files: Keyed, folder: Path) -> Iterator[str]:
 
 
 def light_faults(lights: Collection[Any]) -> Iterator[str]:
-    """A scene without lights.
+    """Report a scene without lights.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Scene files: TOML in, a `Scene` out, or every fault at once with its file, key, rule and remedy (before step 1).
 
-The tables are checked against the very records that Python code uses, in JSON's strict sense: text is no number.  What
-the file calls things is only ever compared, never evaluated.  ``[palettes]`` belongs to another reader, ignored here.
+The tables are checked against the records that Python code uses, in JSON's strict sense: text is no number.  Names in
+the file are only ever compared, never evaluated.  ``[palettes]`` is left to its own reader and ignored here.
 """
 
 import json
@@ -39,10 +39,10 @@ KINDS: dict[str, dict[str, type]] = {
     "lights": {kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight)},
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
 }
-"""What the `type` of a shape, a light and a texture may be."""
+"""The record of each `type` that a shape, a light and a texture may have."""
 
 UNION_PARTS = frozenset({"int", "float", "str", "dict[str,str]"})
-"""What pydantic adds to a key to say which member of a union it tried."""
+"""Parts that pydantic adds to a key to say which member of a union it tried."""
 
 _NUMBER = "it must be a number; write it without quotes, such as 1.5"
 _WHOLE = "it must be a whole number; write it without quotes or decimals, such as 256"
@@ -63,9 +63,10 @@ RULES = {
     "dataclass_type": _TABLE,
     "model_attributes_type": _TABLE,
 }
-"""What pydantic's kinds of error mean to whoever wrote the file."""
+"""Rules in the words of the file, by pydantic's kind of error."""
 
 NAMED = ("lights", "materials", "textures")
+"""The tables whose keys are names."""
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -74,7 +75,7 @@ def load_scene(path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        With one line for each thing that is wrong with the file.
+        If anything is wrong with the file, with one line for each fault.
 
     Examples
     --------
@@ -83,6 +84,8 @@ def load_scene(path: str | Path) -> Scene:
     """
     path = scene_path(path)
     tables = {key: value for key, value in read_toml(path).items() if key != "palettes"}
+
+    # Numbers that no record could hold come first: tables nested too deeply are not read any further.
     bad_values = dict(number_faults(tables))
     faults = [f"{key} {fault}" if fault[0] == "=" else f"{key}{fault}" for key, fault in bad_values.items()]
     if not any("nested" in fault for fault in faults):
@@ -127,9 +130,12 @@ def _reader() -> Any:
 
 
 def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[str]]:
-    """The scene, or what is wrong with it."""
+    """Make the scene of a file's tables, and list its faults; there is no scene if there are any."""
+    # A table's key becomes the name of its record.
     faults = list(_own_name_faults(tables))
     named = {kind: _with_names(tables[kind]) for kind in NAMED if kind in tables}
+
+    # Check each table against its record.
     try:
         document = _reader().validate_json(_json({**tables, **named}))
     except ValidationError as error:
@@ -140,6 +146,8 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
         told = [one for one in told if one["type"] != "missing" or tuple(one["loc"]) not in meant]
         faults += [line for one in told for line in _lines(tuple(one["loc"]), dict(one))]
         return None, [*faults, *_consistency_faults(tables, folder)]
+
+    # Check that the records fit each other.
     try:
         scene = Scene(
             camera=document.camera,
@@ -175,10 +183,12 @@ def _own_name_faults(tables: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _consistency_faults(tables: Mapping[str, Any], folder: Path) -> Iterator[str]:
-    """What can be said of names, references and files although some table has other faults."""
+    """Faults of names, references and files in tables that have other faults too."""
     names = {kind: list(tables[kind]) if isinstance(tables.get(kind), dict) else [] for kind in NAMED}
     yield from light_faults(names["lights"])
     yield from name_faults((kind, name) for kind in NAMED for name in names[kind])
+
+    # References and files that are no text are reported with their tables.
     shapes, textures = list(_subtables(tables, "shapes")), list(_subtables(tables, "textures"))
     for key, table in textures:
         uses = named_materials(f"{key}.materials", table.get("materials", []))
@@ -202,7 +212,7 @@ def _texts(pairs: Iterable[tuple[str, Any]]) -> list[tuple[str, str]]:
 
 
 def _meant(where: tuple[str | int, ...], error: dict[str, Any]) -> tuple[str | int, ...] | None:
-    """The key that an unknown one seems to stand for: it is not missing, too."""
+    """The key that an unknown one seems to stand for, so that it is not reported as missing too."""
     if error["type"] not in ("unexpected_keyword_argument", "extra_forbidden"):
         return None
     near = re.fullmatch(r"did you mean '(.*)'\?", suggestion(str(where[-1]), _keys(where)))
@@ -217,13 +227,16 @@ def _keys(where: tuple[str | int, ...]) -> list[str]:
 
 
 def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]:
-    """One of pydantic's errors, in our words."""
+    """Put one of pydantic's errors into the words of the file."""
+    # The record that was tried, and the key as the file has it.
     tag = where[2] if len(where) > 2 and where[0] in KINDS else None
     known = KINDS.get(str(where[0]), {})
     record = known.get(str(tag)) if tag else Camera if where[0] == "camera" else None
     keys = _keys(where)
     where = tuple(part for i, part in enumerate(where) if not (i == 2 and tag) and part not in UNION_PARTS)
     key, last = _dotted(where), where[-1]
+
+    # A line for each kind of error, from the record's own to the general ones.
     if error["type"] == "value_error":
         lines = str(error["ctx"]["error"]).splitlines()
         # Names are reported with their tables, by `name_faults`.
@@ -244,7 +257,7 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
 
 
 def _placed(key: str, line: str, record: type | None) -> str:
-    """A record's fault behind the record's key, which says what a shape or texture says of itself."""
+    """Put the record's key before a record's fault, in place of the kind or name that the fault opens with."""
     own = {f.name for f in fields(record)} if record else set()
     line = re.sub(rf"^({getattr(record, 'type', '')}|texture \w+): ", "", line)
     first = re.match(r"(\w+)(\[\d+\])*( = |: )", line)

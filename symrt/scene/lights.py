@@ -1,8 +1,8 @@
-"""Lights: what reaches a point from each, per unit of the light's own symbol (step 1).
+"""Lights: the irradiance that each sends to a point, per unit of the light's own symbol (step 1).
 
 A point light of intensity I gives a surface that faces it the irradiance I/d², a directional light of irradiance E
-gives E.  The spectrum is a symbol, so only the factor 1/d² or 1 is known here.  Lights answer for themselves, so that
-nobody asks one for its class; any object with a ``name``, ``shadows`` and ``samples`` is a light.
+gives E.  The spectrum is a symbol, so only the factor 1/d² or 1 is known here.  The tracer asks a light through its
+methods, never for its class: any object with a ``name``, ``shadows`` and ``samples`` is a light.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ Nearest = Callable[[np.ndarray], float]
 """The distance from a place to the nearest surface."""
 
 UNIT = 1e-9
-"""How far from 1 the length of a unit vector may be."""
+"""Largest deviation from 1 of a unit vector's length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Illumination:
     direction
         Unit vectors from the points to the light; None for light from everywhere.
     distance
-        To the light, in scene units; infinite for a light infinitely far away.
+        Distance to the light in scene units; infinite for a light infinitely far away.
     falloff
         Irradiance on a surface that faces the light, per unit of the light's symbol.
     """
@@ -46,7 +46,7 @@ class Illumination:
 
 @runtime_checkable
 class Light(Protocol):
-    """What a light of one's own must have; `answering` gives it the rest.
+    """The members that a user's own light must have; `answering` adds the rest.
 
     Examples
     --------
@@ -67,31 +67,31 @@ class Light(Protocol):
 
     @property
     def name(self) -> str:
-        """The symbol of the light's spectrum."""
+        """Name of the symbol that stands for the light's spectrum."""
         ...
 
     @property
     def shadows(self) -> bool:
-        """Whether other shapes block it."""
+        """True if other shapes block the light."""
         ...
 
     def samples(self, points: Points) -> tuple[Illumination, ...]:
-        """The ways by which it reaches the points if nothing hides it; their number hangs on the light alone."""
+        """The light's samples as seen from the points, unshadowed; their number depends on the light alone."""
         ...
 
 
 @runtime_checkable
 class Answering(Light, Protocol):
-    """A light that answers all that the tracer asks, as those defined here do."""
+    """A light with all the members that the tracer asks for, as those defined here have."""
 
     calls_for: ClassVar[str | None]
-    """The effect without which it does not shine."""
+    """Name of the effect without which it does not shine, if there is one."""
 
     via: ClassVar[Literal["direct", "ambient"]]
-    """The formula of a model that answers it."""
+    """The formula of a model that reflects it."""
 
     def moved(self, by: Triple) -> "Answering":
-        """The same light when the whole scene moves by the vector `by`."""
+        """The light after the whole scene has moved by the vector `by`."""
         ...
 
     def white(self, target: Triple) -> float:
@@ -128,12 +128,13 @@ class PointLight:
         settle(self, position=floats(self.position))
 
     def samples(self, points: Points) -> tuple[Illumination]:
-        """The one way by which it reaches each point.
+        """The light's one sample, seen from each point.
 
         A point so near that 1/d² overflows is taken for the light itself: it has no direction, and stays dark.
         """
         towards = np.array(self.position)[:, None] - points
         distance = length(towards)
+        # Divided twice: d² itself would lose digits, or overflow, before 1/d² does.
         with np.errstate(divide="ignore", over="ignore"):
             falloff = 1 / distance / distance
         lit = np.isfinite(falloff)
@@ -186,7 +187,7 @@ class DirectionalLight:
         settle(self, direction=floats(self.direction))
 
     def samples(self, points: Points) -> tuple[Illumination]:
-        """The one direction that it comes from, the same everywhere."""
+        """The light's one sample, of the same direction everywhere."""
         towards = normalise(-np.array(self.direction)[:, None])
         count = points.shape[1]
         return (Illumination(np.broadcast_to(towards, (3, count)), np.full(count, np.inf), np.ones(count)),)
@@ -231,7 +232,7 @@ class AmbientLight:
         refuse(check_name("name", self.name))
 
     def samples(self, points: Points) -> tuple[Illumination]:
-        """Radiance 1 at each point, from no direction in particular."""
+        """The light's one sample: radiance 1 at each point, without a direction."""
         count = points.shape[1]
         return (Illumination(None, np.full(count, np.inf), np.ones(count)),)
 
@@ -250,7 +251,7 @@ class AmbientLight:
 
 @dataclass(frozen=True)
 class Own:
-    """A light of one's own that answers all that the tracer asks, seen from coordinates that were moved by `by`."""
+    """A user's own light with the members that the tracer asks for, in coordinates that were moved by `by`."""
 
     calls_for: ClassVar[str | None] = None
     via: ClassVar[Literal["direct", "ambient"]] = "direct"
@@ -264,11 +265,11 @@ class Own:
 
     @property
     def shadows(self) -> bool:
-        """Whether other shapes block the light itself."""
+        """True if other shapes block the light itself."""
         return self.light.shadows
 
     def samples(self, points: Points) -> tuple[Illumination, ...]:
-        """The light's own samples, asked in its own coordinates, and checked.
+        """The light's own samples, taken in its own coordinates, and checked.
 
         Raises
         ------
@@ -289,7 +290,7 @@ class Own:
         return found
 
     def moved(self, by: Triple) -> "Own":
-        """The light asked in coordinates that moved once more."""
+        """The light in coordinates that moved once more."""
         x, y, z = (a + float(b) for a, b in zip(self.by, by, strict=True))
         return Own(self.light, (x, y, z))
 
@@ -298,12 +299,12 @@ class Own:
         return diffuse_white(self, target)
 
     def bound(self, nearest: Nearest) -> float:  # noqa: ARG002  nothing is known of it
-        """Infinite: nothing is known of how bright it may be."""
+        """Infinity, as no bound is known of a user's own light."""
         return float("inf")
 
 
 def answering(light: Light) -> Answering:
-    """The light itself if it answers all that the tracer asks, otherwise one that answers for it.
+    """The light itself if it has all the members that the tracer asks for, otherwise wrapped in one that has.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""What is there: the materials, and the scene that holds everything together (before step 1).
+"""The material, and the scene that holds everything together (before step 1).
 
-A record says what is wrong with it when it is made, all of it at once, one line a fault, each with its key: so a scene
-that exists can be traced.
+A record is checked when it is made, and reports all of its faults at once, one line each, with its key: so a scene that
+exists can be traced.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from symrt.reflection.models import Model
 
 DEEPEST = 1000
-"""Mirror bounces that a scene may ask for."""
+"""Largest number of mirror bounces that a scene may ask for."""
 
 
 @dataclass(frozen=True, init=False)
@@ -33,9 +33,9 @@ class Material:
     Parameters
     ----------
     name
-        What shapes, textures and palettes call it.
+        The name by which shapes, textures and palettes refer to it.
     model
-        The name of a model, a model of one's own, or several stacked.
+        The name of a model, a user's own `Model`, or several of these, stacked.
     **parameters
         A number for each parameter of the model, such as ``exponent``.
 
@@ -62,7 +62,7 @@ class Material:
 
     @cached_property
     def reflection(self) -> "Model":
-        """The formulas of its model, or of all of its models together."""
+        """The material's model, or all of its models stacked."""
         # SymPy is slow to import, and reading a scene's geometry does not need it.
         from symrt.reflection.models import MODELS, stack  # noqa: PLC0415
 
@@ -71,32 +71,32 @@ class Material:
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """The reflectances that a palette must give it."""
+        """Names of the reflectances that a palette must give."""
         return tuple(f"{self.name}.{component}" for component in sorted(self.reflection.components))
 
 
 @hinting
 @dataclass(frozen=True)
 class Scene:
-    """Everything that light meets, and the camera that looks at it.
+    """Shapes, their materials and textures, lights, and the camera that looks at them.
 
     Parameters
     ----------
     camera
-        Where the picture is taken from.
+        The viewpoint and the film.
     shapes
-        Each names its material, or a texture.
+        The surfaces, each with the name of its material or texture.
     materials, lights, textures
-        Each has a name of its own.
+        Records with unique names.
     depth
-        Mirror bounces followed; what is cut off after them is bounded and reported.
+        Number of mirror bounces followed; the light cut off after them is bounded and reported.
     folder
-        Where the files of meshes and textures lie.
+        The folder that holds the files of meshes and textures.
 
     Raises
     ------
     ValueError
-        If the parts do not fit each other, with one line for each thing that is wrong.
+        If the parts do not fit each other, with one line for each fault.
 
     Examples
     --------
@@ -126,7 +126,7 @@ class Scene:
 
     @property
     def symbols(self) -> tuple[str, ...]:
-        """Every spectrum that a palette of this scene gives: its lights, then its reflectances."""
+        """Names of the spectra that a palette of this scene gives: its lights, then its reflectances."""
         lights = (light.name for light in self.lights)
         return (*lights, *(symbol for material in self.materials for symbol in material.symbols))
 
@@ -143,10 +143,10 @@ class Scene:
 
     @property
     def _named_by_shapes(self) -> frozenset[str]:
-        return frozenset(name for shape in self.shapes for _, name in named_materials("", _material_of(shape)))
+        return frozenset(name for shape in self.shapes for _, name in named_materials("", _materials_of(shape)))
 
     def material(self, name: str) -> Material:
-        """The material of that name."""
+        """The material of a given name."""
         return next(material for material in self.materials if material.name == name)
 
     def _repr_html_(self) -> str:
@@ -224,7 +224,7 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
     known = [*materials, *(texture.name for texture in scene.textures)]
     for key, shape in shapes:
         yield from reference_faults(
-            named_materials(f"{key}.material", _material_of(shape)), known, "material or texture"
+            named_materials(f"{key}.material", _materials_of(shape)), known, "material or texture"
         )
     yield from file_faults(((f"{k}.file", r.file) for k, r in shapes + textures if hasattr(r, "file")), scene.folder)
 
@@ -238,17 +238,17 @@ def _place_faults(scene: Scene) -> Iterator[str]:
             )
 
 
-def _material_of(shape: Any) -> Any:
-    """What a shape is made of: one name, or several for a mesh, whether loaded or not, and a box."""
+def _materials_of(shape: Any) -> Any:
+    """The name of a shape's material, or the several names of a mesh, loaded or not, and of a box."""
     return shape.material if hasattr(shape, "material") else shape.materials
 
 
 def _shape_text(shape: Any) -> str:
-    return ", ".join(name for _, name in named_materials("", _material_of(shape)))
+    return ", ".join(name for _, name in named_materials("", _materials_of(shape)))
 
 
 def _details(record: Any) -> str:
-    # What a record has computed from its fields, such as a box its triangles, is none of its details.
+    """The fields of a record as text, without what it has computed from them, such as a box its triangles."""
     told = dict(record) if isinstance(record, Mapping) else vars(record)
     own = {one.name for one in fields(record)} if is_dataclass(record) else set(told)
     skipped = {"name", "type", "material"}
