@@ -16,6 +16,12 @@ settings.load_profile("ci" if IN_CI else "here")
 MISSING: list[str] = []
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Give each of several workers one processor: threads of linear algebra would only fight over them."""
+    if config.getoption("numprocesses", None):
+        os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Remember the tests that were skipped because something optional is not installed."""
     if report.skipped and "not installed" in str(report.longrepr):
