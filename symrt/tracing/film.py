@@ -10,7 +10,7 @@ from symrt.tracing.raytree import Film
 
 
 def regular(camera: Camera, window: Window) -> tuple[Film, Rays]:
-    """A film whose samples are n × n to a pixel and count alike, and their rays.
+    """A film of n × n equally weighted samples a pixel, and their rays.
 
     Examples
     --------
@@ -25,5 +25,5 @@ def regular(camera: Camera, window: Window) -> tuple[Film, Rays]:
 
 
 def centres(camera: Camera, window: Window) -> tuple[Film, Rays]:
-    """A film with one sample in the middle of each pixel, and their rays."""
+    """A film with one sample in the middle of each pixel, and the samples' rays."""
     return regular(replace(camera, samples=1), window)

@@ -1,4 +1,4 @@
-"""What a trace simulates, and what it leaves out: each effect in one of three states (before step 1)."""
+"""The plan of a trace: each effect in one of three states, from not called for to simulated (before step 1)."""
 
 from dataclasses import dataclass
 from html import escape
@@ -19,13 +19,13 @@ class Planned:
     ----------
     state
         ``not called for``: nothing in the scene needs it, and nothing is lost.  ``left out, bounded``: something does,
-        and what is lost without it is bounded in the system's tail.
+        and the error without it is bounded in the system's tail.
     called_by
-        Names of what calls for it, such as lights or materials.
+        Names of the lights, materials or textures that call for it.
     why
-        Why it is not simulated; empty where it is.
+        The reason that it is not simulated; empty where it is.
     rays
-        How many rays it may cost.
+        The largest number of rays that it may cost, in words.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Planned:
 
     @property
     def simulated(self) -> bool:
-        """Whether it is simulated."""
+        """True if the effect is simulated."""
         return self.state == "simulated"
 
     @property
@@ -50,7 +50,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Plan:
-    """All effects that symrt knows, each in its state; ``"mirrors" in plan`` says whether it is simulated."""
+    """All effects that symrt knows, each in its state; ``"mirrors" in plan`` is true if mirrors are simulated."""
 
     effects: tuple[Planned, ...]
     remarks: tuple[str, ...] = ()

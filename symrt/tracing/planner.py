@@ -1,4 +1,4 @@
-"""Which effects a scene calls for, by what; an effect that nothing calls for is never simulated (before step 1)."""
+"""Plan a trace: the effects that a scene calls for; one that nothing calls for is never simulated (before step 1)."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,18 +16,20 @@ from symrt.tracing.stage import Alternatives
 
 
 def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mapping[str, bool] | None = None) -> Plan:
-    """The effects that `scene`, traced with these `alternatives`, calls for, and why the others are not simulated.
+    """Plan the trace of a scene: the effects it calls for, and why the others are not simulated.
 
     Parameters
     ----------
+    alternatives
+        Other materials that are traced too, as for `trace`; they may call for effects of their own.
     force
-        Effects to leave out, ``{"shadows": False}``: what is lost is bounded in the system's tail.  True asks for what
-        is simulated anyhow, and refuses where it is not.
+        Effects to leave out, ``{"shadows": False}``: the error without them is bounded in the system's tail.  True
+        insists on an effect, and is refused where it is not simulated.
 
     Raises
     ------
     ValueError
-        If no effect has a name that is forced, or it cannot be forced so.
+        If `force` names no effect, or one that cannot be forced so.
 
     Examples
     --------
@@ -57,10 +59,13 @@ def _remarks(scene: Scene) -> Iterator[str]:
     for index, shape in enumerate(scene.shapes):
         if hasattr(shape, "file"):
             continue
+
+        # The camera inside of a closed shape.
         eye = _inside(shape, scene.camera.position)
         kind = getattr(shape, "type", "mesh")
         if eye:
             yield f"The camera is inside shapes[{index}], a {kind}: it sees what is inside, and its inner side."
+
         # Walls let nothing through: a light and the camera on two sides of one see nothing of each other.
         for light in scene.lights:
             place = getattr(light, "position", None)
@@ -72,7 +77,7 @@ def _remarks(scene: Scene) -> Iterator[str]:
 
 
 def _inside(shape: Any, place: Any) -> bool:
-    # What overflows is far away, and so outside.
+    # A place so far away that its distance overflows is outside.
     with np.errstate(over="ignore", invalid="ignore"):
         return encloses(shape, np.array(place, dtype=float))
 
@@ -94,14 +99,14 @@ def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
 
 @dataclass(frozen=True, eq=False)
 class AtWork:
-    """The effects of a plan with what they do.
+    """The records of the effects in a plan that are simulated, and of those that are left out and bounded.
 
     Parameters
     ----------
     simulated, bounded
-        Those that the plan simulates, and those that it leaves out and bounds; no others are ever asked.
+        Effects in the order of the plan; the tracer calls no others.
     left_out
-        Names of those that are left out.
+        Names of the bounded effects.
     """
 
     simulated: tuple[Effect, ...]
@@ -110,7 +115,7 @@ class AtWork:
 
 
 def at_work(chosen: Plan) -> AtWork:
-    """Look the effects of a plan up in the list; a plan itself holds words only, so that it can be sent and kept."""
+    """Look up the records of a plan's effects; the plan itself holds words only, so that it can be sent and kept."""
     by_name = {effect.name: effect for effect in effects.EFFECTS}
     simulated, bounded, left_out = [], [], []
     for planned in chosen.effects:

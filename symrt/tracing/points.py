@@ -1,4 +1,4 @@
-"""What each hit is made of, and what its materials' formulas ask about it (step 1)."""
+"""The points of a level: each hit's materials, and the geometric factors that their formulas name (step 1)."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -12,12 +12,9 @@ from symrt.reflection.symbols import VIEW
 from symrt.scene.lights import Answering, Illumination
 from symrt.tracing.factors import factors
 from symrt.tracing.planner import AtWork
-from symrt.tracing.raytree import Lit, Points
+from symrt.tracing.raytree import Index, Lit, Points
 from symrt.tracing.stage import Stage
 from symrt.tracing.view import View
-
-Index = Int[np.ndarray, " point"]
-Shares = dict[str, tuple[Index, Float[np.ndarray, " point"]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +26,9 @@ class Reached:
     position
         For each hit of the level its place among those reached, −1 where the light is behind.
     direction
-        None for light from everywhere.
+        Unit vectors to the light; None for light from everywhere.
     bounded
-        Whether an effect was left out that would change this, so that it counts in the tail.
+        True if an effect was left out that would change this, so that it counts in the tail.
     """
 
     light: Answering
@@ -44,16 +41,21 @@ class Reached:
 
 def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
+    # The hits that each sample of each light reaches.
     reached = [
         _reached(stage, effects, light, sample, view, count)
         for light in stage.lights
         for sample in light.samples(view.surface.point)
     ]
+
+    # The points of each material, and again for each of its alternatives.
     found = []
     for material, (hit, weight) in sorted(_shares(stage, effects, view).items()):
         for name in (material, *(f"{material}>{other}" for other in stage.alternatives.get(material, ()))):
             model = stage.materials[name].model
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
+
+            # The light on them: what formulas that are zero would get is not kept.
             lit, cut = [], []
             for one in reached:
                 if model.formulas[one.light.via] == 0:
@@ -71,6 +73,8 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
 def _reached(
     stage: Stage, effects: AtWork, light: Answering, at: Illumination, view: View, count: Counter[str]
 ) -> Reached:
+    """The hits that one sample of a light reaches, and the share of it that effects let through."""
+    # Light from everywhere reaches all hits.
     if at.direction is None:
         everywhere = np.arange(view.slot.size)
         bounded = light.calls_for in effects.left_out
@@ -82,7 +86,7 @@ def _reached(
     position = np.full(view.slot.size, -1)
     position[hit] = np.arange(hit.size)
 
-    # What stands in between.
+    # The share of it that is not hidden on the way.
     direction, visible = at.direction[:, hit], np.ones(hit.size)
     if light.shadows:
         for effect in effects.simulated:
@@ -95,6 +99,7 @@ def _reached(
 
 
 def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:
+    """The part of a light's sample that reaches the points at some hits, with the named cosines."""
     position = reached.position[hit]
     point = np.flatnonzero(position >= 0)
     position, hit = position[point], hit[point]
@@ -106,19 +111,19 @@ def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit
     return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found)
 
 
-def _shares(stage: Stage, effects: AtWork, view: View) -> Shares:
+def _shares(stage: Stage, effects: AtWork, view: View) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
         hit = np.flatnonzero(view.slot == slot)
-        for material, share in _blend(stage, effects, stage.slots[slot], view, hit).items():
+        for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit).items():
             present = share > 0
             parts.setdefault(material, []).append((hit[present], share[present]))
     return {name: _in_order(found) for name, found in parts.items() if any(hit.size for hit, _ in found)}
 
 
-def _blend(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
-    """What a name stands for at some hits: what an effect says of it, or itself, a material."""
+def _materials_at(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
+    """Shares of the materials that a name stands for at some hits: those of a texture, or all of a material."""
     for effect in effects.simulated:
         if effect.surface is not None and (blended := effect.surface(stage, name, view, hit)) is not None:
             return blended
@@ -126,6 +131,7 @@ def _blend(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> 
 
 
 def _in_order(found: list[tuple[np.ndarray, np.ndarray]]) -> tuple[Index, Float[np.ndarray, " point"]]:
+    """Join hits and shares, and sort them by hit."""
     hit = np.concatenate([hit for hit, _ in found])
     share = np.concatenate([share for _, share in found])
     order = np.argsort(hit, kind="stable")

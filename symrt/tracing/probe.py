@@ -1,4 +1,4 @@
-"""Probe a scene with a few rays: which light meets which material, after how many bounces (before step 1).
+"""Probe a scene with a few rays for statistics of the lights, materials and bounces they meet (before step 1).
 
 The paper's §6 proposes it, "to probe a complex scene for light/material interaction statistics before a sophisticated
 renderer is applied".
@@ -12,7 +12,7 @@ import numpy as np
 
 from symrt.scene.records import Scene
 from symrt.table import html_table, text_table
-from symrt.tracing.raytree import Level, RayTree
+from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
 
 NOTHING = "The camera sees nothing that light reaches: look at camera.position and camera.target"
@@ -26,9 +26,9 @@ class Meeting:
     Parameters
     ----------
     share
-        Of the probe's camera rays, how many see a point of the material that faces the light.
+        Share of the probe's camera rays that see a point of the material that faces the light.
     hidden
-        Of those points, how many lie in the light's shadow.
+        Share of those points that lie in the light's shadow.
     """
 
     light: str
@@ -40,7 +40,17 @@ class Meeting:
 
 @dataclass(frozen=True)
 class Probe:
-    """What a few rays met, most frequent first, and what leaving an effect out would change."""
+    """The meetings of a few rays, most frequent first, and the change that leaving an effect out would make.
+
+    Parameters
+    ----------
+    rays
+        Number of camera rays.
+    mirrored
+        Share of them that end on a mirror.
+    hidden
+        Share of the lit points that lie in a shadow.
+    """
 
     meetings: tuple[Meeting, ...]
     rays: int
@@ -81,10 +91,14 @@ def probe(scene: Scene, rays: int = 4096) -> Probe:
     if rays < 1:
         raise ValueError(f"rays = {rays}: a probe needs at least one ray")
     start = time.perf_counter()
+
+    # A film of about so many pixels, in the same proportions.
     camera = scene.camera
     across = max(1, round((rays * camera.width / camera.height) ** 0.5))
     coarse = replace(camera, width=across, height=max(1, round(across * camera.height / camera.width)), samples=1)
     tree = trace(replace(scene, camera=coarse))
+
+    # Light by light, material by material; names decide between meetings of equal frequency.
     meetings = sorted(_meetings(tree), key=lambda m: (-m.share, m.bounces, m.light, m.material))
     lit = sum(m.share for m in meetings)
     return Probe(
@@ -97,21 +111,18 @@ def probe(scene: Scene, rays: int = 4096) -> Probe:
 
 
 def _mirrored(tree: RayTree) -> int:
-    """How many of the camera's rays end on a mirror."""
+    """Number of the camera's rays that end on a mirror."""
     parts = tree.levels[0].points if tree.levels else ()
     return np.unique(np.concatenate([[], *(p.hit for p in parts if tree.materials[p.material].model.sending)])).size
 
 
 def _meetings(tree: RayTree) -> Iterator[Meeting]:
-    for bounces, level in enumerate(tree.levels):
-        yield from _at_level(tree, bounces, level)
-
-
-def _at_level(tree: RayTree, bounces: int, level: Level) -> Iterator[Meeting]:
-    camera_rays = tree.rays["camera"]
-    for points in level.points:
+    """Each light's samples at each material, level by level; those that reach no point are no meeting."""
+    rays = tree.rays["camera"]
+    parts = ((bounces, points) for bounces, level in enumerate(tree.levels) for points in level.points)
+    for bounces, points in parts:
         for lit in points.lit:
             if lit.point.size:
                 weight = points.weight[lit.point]
                 hidden = float(np.sum(weight * (1 - lit.visible)) / weight.sum())
-                yield Meeting(lit.light, points.material, bounces, float(weight.sum() / camera_rays), hidden)
+                yield Meeting(lit.light, points.material, bounces, float(weight.sum() / rays), hidden)

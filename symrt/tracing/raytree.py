@@ -1,4 +1,4 @@
-"""What a trace leaves behind: every hit, with the geometry that its material's formulas ask for (step 1).
+"""The result of a trace: every hit, with the geometric factors that its material's formulas name (step 1).
 
 The tree generalises the parameterised ray tree of Séquin and Smyrl [1]_.  It is stored by level (the camera's hits,
 then those of the rays that they send on, and so on), by branch, by material and by light, in arrays: nothing is an
@@ -20,21 +20,22 @@ from symrt.reflection.models import Model
 from symrt.tracing.plan import Plan
 
 Index = Int[np.ndarray, " point"]
+"""Indices of points, or of hits, one for each point."""
 Factors = Mapping[str, Float[np.ndarray, " point"]]
 
 
 @dataclass(frozen=True, eq=False)
 class Lit:
-    """Where one sample of a light reaches points of one material: its geometric factors there.
+    """One sample of a light at the points of one material that it reaches, with its geometric factors there.
 
     Parameters
     ----------
     via
-        The formula that answers it: ``direct``, or ``ambient`` for light from everywhere.
+        The formula that reflects it: ``direct``, or ``ambient`` for light from everywhere.
     point
         Indices into the points of the material.
     irradiance
-        On a facing surface, per unit of the light's symbol: 1/d² for a point light.
+        Irradiance of a facing surface, per unit of the light's symbol: 1/d² for a point light.
     visible
         The share that nothing hides: 1 in the light, 0 in a shadow.
     factors
@@ -60,7 +61,7 @@ class Points:
     weight
         Share of the material at the point; the shares of a hit sum to 1.
     lit
-        Each light's samples, those from a direction first; one light may have several.
+        Samples of lights, those from a direction first; one light may have several.
     view
         Factors that depend on the viewer only.
     cut
@@ -82,7 +83,7 @@ class Branch:
     Parameters
     ----------
     via
-        The formula, a field of `Model`, that says how much of what the rays bring is sent on to the viewer.
+        The formula, a field of `Model`, for the share of the rays' radiance that is sent on to the viewer.
     parent
         The hit that each ray leaves from, on the level above the rays' own hits.
     weight
@@ -109,7 +110,7 @@ class Emitted:
     Parameters
     ----------
     radiance
-        Per unit of the light's symbol.
+        Radiance of each hit, per unit of the light's symbol.
     """
 
     light: str
@@ -126,10 +127,12 @@ class Level:
     sample
         Film sample of each hit.
     branches
-        How the hits are reached from the level above: they are the branches' rays, one after the other.  The camera's
-        level has none.
+        The rays that led here from the level above: hits are numbered along the branches, one after the other.  The
+        camera's level has none.
     points
-        What the hits are made of, and the light that reaches them.
+        The hits by material, and the light that reaches them.
+    emitted
+        The light that hits send by themselves.
     cut
         Rays that were sent from these hits but not followed, beyond the depth or by an effect that was left out; their
         parents are hits of this level.
@@ -156,7 +159,7 @@ class Film:
     pixel
         The pixel of the window, along rows from the top left, that each sample belongs to, ascending.
     weight
-        What each counts for; over a pixel the weights sum to 1.
+        Weight of each sample; over a pixel the weights sum to 1.
     """
 
     pixel: Int[np.ndarray, " sample"]
@@ -165,7 +168,7 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class MaterialRecord:
-    """A material as the tree remembers it: its formulas and the values of their parameters."""
+    """A material's part in the tree: its formulas and the values of their parameters."""
 
     model: Model
     parameters: Mapping[str, float]
@@ -178,16 +181,16 @@ class MaterialRecord:
 
 @dataclass(frozen=True, eq=False)
 class LightRecord:
-    """A light as the tree remembers it.
+    """A light's part in the tree.
 
     Parameters
     ----------
     via
-        The formula that answers it.
+        The formula that reflects it.
     white
-        The coefficient of a perfect diffuser at the camera's target that faces it.
+        The coefficient of a perfect diffuser at the camera's target that faces the light.
     bound
-        The most that any surface can receive per unit of its symbol: it bounds what is cut off.
+        The largest irradiance of any surface per unit of the light's symbol, which bounds the light cut off.
     """
 
     via: Literal["direct", "ambient"]
@@ -210,11 +213,11 @@ class RayTree:
     window
         ``(x0, y0, x1, y1)``, the pixels that were traced, x1 and y1 excluded.
     sending
-        For each material whose surfaces send rays on, whether or not a ray met them, the formulas they do it by.
+        For each material whose surfaces send rays on, whether or not a ray met them, the formulas that say so.
     plan
         The effects that were simulated, and those that were not.
     rays
-        Rays cast, by effect.
+        Number of rays cast, by effect.
     """
 
     levels: tuple[Level, ...]

@@ -22,23 +22,23 @@ Alternatives = Mapping[str, Sequence[str]]
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What every tile of a trace shares.
+    """A scene made ready for rays, shared by all tiles of a trace.
 
     Parameters
     ----------
     slots
-        What each surface is made of, a material or a texture; a shape owns one slot, a mesh one for each of its
-        materials, a box one for each face.
+        Names of the surfaces' materials and textures: a shape owns one slot, a mesh one for each of its materials, a
+        box one for each face.
     first_slot
-        For each shape, its first slot.
+        For each shape, the index of its first slot.
     alternatives
         For each material, others whose formulas are also evaluated at its points.
     lights
         Each light, seen from the camera: those with a direction first, by name.
     remembered
-        What a tree remembers of each light, in the scene's order.
+        The tree's record of each light, in the scene's order.
     sending
-        For each material whose surfaces send rays on, by itself or as an alternative, the formulas they do it by.
+        For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so.
     """
 
     camera: Camera
@@ -59,13 +59,18 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
     """
-    alternatives = _checked(scene, alternatives or {})
+    alternatives = _checked_alternatives(scene, alternatives or {})
+
+    # Read meshes, and move everything to the camera.
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
-    shapes = tuple(translate(_load(shape, scene), np.array(by)) for shape in scene.shapes)
+    loaded = (load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes)
+    shapes = tuple(translate(shape, np.array(by)) for shape in loaded)
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
-    slots, first = _slots(shapes)
+
+    # Number the materials of the shapes, and bind each model to its material.
+    slots, first = _numbered(shapes)
     return Stage(
         camera=camera,
         shapes=shapes,
@@ -109,8 +114,8 @@ def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, .
     return found
 
 
-def _checked(scene: Scene, alternatives: Alternatives) -> Alternatives:
-    """The alternatives, each one once; every name is a material's."""
+def _checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternatives:
+    """The alternatives, each one once, if every name is a material's."""
     known = [m.name for m in scene.materials]
     for material, others in alternatives.items():
         if isinstance(others, str):
@@ -123,11 +128,8 @@ def _checked(scene: Scene, alternatives: Alternatives) -> Alternatives:
     return {material: tuple(dict.fromkeys(others)) for material, others in alternatives.items()}
 
 
-def _load(shape: object, scene: Scene) -> object:
-    return load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape
-
-
-def _slots(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
+def _numbered(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
+    """The slots of all shapes, one shape after the other, and the first slot of each."""
     slots: list[str] = []
     first = []
     for shape in shapes:

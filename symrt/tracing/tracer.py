@@ -1,4 +1,4 @@
-"""Step 1: cast rays through a scene once, and keep what its materials' formulas ask for.
+"""Step 1: cast rays through a scene once, and keep the geometric factors that its materials' formulas name.
 
 Whitted's recursive ray tracing [1]_ level by level: all camera rays, then all rays that effects send on from where they
 ended, however many from each.
@@ -64,7 +64,7 @@ def trace(
 def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> RayTree:
     """Trace a window of a scene that was made ready, with the effects of a plan."""
     start = time.perf_counter()
-    x0, y0, x1, y1 = _checked(window, stage.camera.width, stage.camera.height)
+    x0, y0, x1, y1 = _checked_window(window, stage.camera.width, stage.camera.height)
     effects = at_work(chosen)
 
     # The film's samples, and a ray from the camera through each.
@@ -87,6 +87,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
 
 
 def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> tuple[Level, ...]:
+    """The levels of the tree, from the camera's rays until none goes on."""
     size = rays.origin.shape[1]
     kept = {name: np.full(size, value) for effect in effects.simulated for name, value in effect.state.items()}
     batch = Batch(rays, np.arange(size), (), kept)
@@ -97,9 +98,9 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
         found = np.flatnonzero(hits.shape >= 0)
         batch, hits = batch.of(found), select_hits(hits, found)
 
-        # What is there, and the light that reaches it.
+        # The surfaces there, and the light that reaches them.
         surface = surfaces(stage.shapes, batch.rays, hits)
-        view = look(surface, _slots(stage, hits.shape, hits.primitive), batch)
+        view = look(surface, _slots_of(stage, hits.shape, hits.primitive), batch)
         here = points(stage, effects, view, count)
         emitted = tuple(one for effect in effects.simulated if effect.emitted for one in effect.emitted(stage, view))
 
@@ -125,7 +126,7 @@ def _branch(sent: Sent) -> Branch:
 
 
 def _onwards(batch: Batch, sent: Sequence[Sent]) -> Batch:
-    """All rays that were sent on, to be intersected together; what effects keep is inherited unless it changed."""
+    """Join all rays that were sent on into one batch; effects' states are inherited where they did not change."""
     if not sent:
         return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})
     rays = Rays(
@@ -140,7 +141,8 @@ def _onwards(batch: Batch, sent: Sequence[Sent]) -> Batch:
     return Batch(rays, sample, tuple(map(_branch, sent)), state)
 
 
-def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
+def _slots_of(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
+    """The slot of each hit, from its shape and, on a mesh or a box, from its face."""
     slot = stage.first_slot[shape]
     for index, mesh in enumerate(stage.shapes):
         if isinstance(mesh, TriangleMesh | Box) and mesh.face_material is not None:
@@ -149,7 +151,7 @@ def _slots(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray
     return slot
 
 
-def _checked(window: Bounds | None, width: int, height: int) -> Bounds:
+def _checked_window(window: Bounds | None, width: int, height: int) -> Bounds:
     x0, y0, x1, y1 = window or (0, 0, width, height)
     if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
         raise ValueError(

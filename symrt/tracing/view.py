@@ -11,8 +11,9 @@ from symrt.geometry.rays import Hits, Rays, Surface
 from symrt.tracing.raytree import Branch
 
 Which = Int[np.ndarray, " hit"]
+"""Indices of some hits of a level."""
 State = Mapping[str, Shaped[np.ndarray, " ray"]]
-"""What effects keep for each ray, by name; an array is there only if an effect in the plan asks for it."""
+"""Values that effects keep for each ray, by name; an array is there only if an effect in the plan asks for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +24,8 @@ class Batch:
     ----------
     sample
         The film sample that each ray contributes to.
+    state
+        The values that effects keep for each ray.
     """
 
     rays: Rays
@@ -32,12 +35,14 @@ class Batch:
 
     def of(self, found: Which) -> "Batch":
         """Some of the rays, in ascending order."""
+        # The rays of each branch, numbered within it.
         branches, first = [], 0
         for branch in self.branches:
             own = found[(first <= found) & (found < first + branch.size)] - first
             factors = {name: values[own] for name, values in branch.factors.items()}
             branches.append(Branch(branch.via, branch.parent[own], branch.weight[own], factors))
             first += branch.size
+
         rays = Rays(self.rays.origin[:, found], self.rays.direction[:, found])
         state = {name: values[found] for name, values in self.state.items()}
         return Batch(rays, self.sample[found], tuple(branches), state)
@@ -50,11 +55,13 @@ class View:
     Parameters
     ----------
     slot
-        What each hit is made of: an index into the stage's slots.
+        Index of each hit's material or texture in the stage's slots.
     viewer
-        Unit vectors from the hits to where they are seen from.
+        Unit vectors from the hits to their viewer: the camera, or the hit that sent the ray.
+    normal, shading_normal
+        Unit normals of the true and of the smoothed surface.
     sample, state
-        The film sample that each hit contributes to, and what effects keep for the ray that met it.
+        The film sample that each hit contributes to, and the values that effects keep for the ray that met it.
     """
 
     surface: Surface

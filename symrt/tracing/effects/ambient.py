@@ -1,4 +1,4 @@
-"""Ambient light: equal radiance L from everywhere, to which a diffuser answers with ρ L (an effect of step 1).
+"""Ambient light: equal radiance L from everywhere, of which a diffuser sends on ρ L (an effect of step 1).
 
 It casts no ray: the light's one sample has no direction, and meets the ``ambient`` formulas of all materials.
 """

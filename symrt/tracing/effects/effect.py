@@ -1,4 +1,4 @@
-"""The record of an effect: what in a scene calls for it, and the seams of the tracer at which it acts (step 1)."""
+"""The record of an effect: how a scene calls for it, and its functions at the seams of the tracer (step 1)."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -13,26 +13,25 @@ from symrt.scene.cameras import Camera, Window
 from symrt.scene.records import Scene
 from symrt.tracing.raytree import Emitted, Film, Points
 from symrt.tracing.stage import Alternatives, Stage
-from symrt.tracing.view import View
+from symrt.tracing.view import View, Which
 
-Hits = Int[np.ndarray, " hit"]
 PerHit = Float[np.ndarray, " hit"]
 
 
 @dataclass(frozen=True)
 class Call:
-    """What a scene says to an effect.
+    """A scene's call for an effect.
 
     Parameters
     ----------
     by
-        Names of what calls for it, such as lights or materials; empty where nothing does.
+        Names of the lights, materials or textures that call for it; empty where nothing does.
     without
-        Why nothing calls for it, in words.
+        The reason, in words, where nothing calls for it.
     rays
-        How many rays it may cost, in words.
+        The largest number of rays that it may cost, in words.
     left_out
-        Why it is left out although something calls for it; empty where it is simulated.
+        The reason, in words, that it is left out although something calls for it; empty where it is simulated.
     """
 
     by: tuple[str, ...]
@@ -48,7 +47,7 @@ class Sent:
     Parameters
     ----------
     via
-        The formula, a field of `Model`, that says how much of what they bring is sent on to the viewer.
+        The formula, a field of `Model`, for the share of the rays' radiance that is sent on to the viewer.
     hit
         The hit that each ray leaves from, ascending.
     weight
@@ -56,7 +55,7 @@ class Sent:
     factors
         Cosines of each ray's own direction, where the formula names any.
     state
-        What effects keep for each ray, where it changes; the rest is inherited.
+        Values that effects keep for each ray, where they change; the rest is inherited.
     """
 
     via: str
@@ -69,14 +68,14 @@ class Sent:
 
 @dataclass(frozen=True, eq=False)
 class Effect:
-    """An effect: a name, what calls for it, and what it does at the seams it has a function for.
+    """An effect: a name, the test whether a scene calls for it, and a function at each seam where it acts.
 
     Parameters
     ----------
     call
-        What a scene, with materials that may take others' places, says to it.
+        The call of a scene, with its alternative materials, for this effect.
     needed
-        Why it cannot be left out on request; empty where what is left out can be bounded.
+        The reason that it cannot be left out on request; empty where the error without it can be bounded.
     film
         The samples of the film in a window, and their rays from the camera; the pixels' centres without it.
     surface
@@ -84,19 +83,19 @@ class Effect:
     arriving
         The share of a light, in given directions and at given distances, that reaches the given hits, in [0, 1].
     emitted
-        What lights send to the viewer by themselves.
+        The light that hits send to the viewer by themselves.
     onwards
         The rays that hits send on.
     state
-        What it keeps for each ray, by name, with the value that rays of the camera start with.
+        Names of the values that it keeps for each ray, with those that the camera's rays start with.
     """
 
     name: str
     call: Callable[[Scene, Alternatives], Call]
     needed: str = ""
     film: Callable[[Camera, Window], tuple[Film, Rays]] | None = None
-    surface: Callable[[Stage, str, View, Hits], Mapping[str, PerHit] | None] | None = None
-    arriving: Callable[[Stage, View, Hits, Vectors, PerHit, Counter[str]], PerHit] | None = None
+    surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
+    arriving: Callable[[Stage, View, Which, Vectors, PerHit, Counter[str]], PerHit] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     state: Mapping[str, float | int] = field(default_factory=dict)

@@ -26,14 +26,18 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
 
     A smoothed normal may send the view into the surface; there is nothing to see there, so no ray is cast.
     """
+    # The hits with a material that mirrors.
     reflecting = np.zeros(view.slot.size, dtype=bool)
     for part in points:
         if "reflected" in stage.materials[part.material].model.sending:
             reflecting[part.hit] = True
     hit = np.flatnonzero(reflecting)
+
+    # The mirrored view, where it leaves the true surface.
     direction = reflect(view.viewer[:, hit], view.shading_normal[:, hit])
     outwards = dot(direction, view.normal[:, hit]) > 0
     hit, direction = hit[outwards], direction[:, outwards]
+
     surface = view.surface
     rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], normalise(direction))
     return (Sent("reflected", hit, rays, np.ones(hit.size)),)

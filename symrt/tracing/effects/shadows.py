@@ -1,6 +1,6 @@
 """Shadows: one ray from each hit to each light that faces it and casts shadows (an effect of step 1).
 
-Left out, surfaces are too bright by at most the light that reaches them: that is their bound.
+Without them surfaces are too bright by at most the light that reaches them: that is the bound where they are left out.
 """
 
 from collections import Counter
@@ -10,9 +10,9 @@ import numpy as np
 from symrt.arrays import Vectors
 from symrt.geometry.rays import occluded, spawn
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Call, Effect, Hits, PerHit
+from symrt.tracing.effects.effect import Call, Effect, PerHit
 from symrt.tracing.stage import Alternatives, Stage
-from symrt.tracing.view import View
+from symrt.tracing.view import View, Which
 
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  whatever a shape is made of, it hides
@@ -21,7 +21,7 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  wh
     return Call(casting if scene.shapes else (), without=without, rays=f"{len(casting)} a hit")
 
 
-def _visible(stage: Stage, view: View, hit: Hits, direction: Vectors, distance: PerHit, count: Counter[str]) -> PerHit:
+def _visible(stage: Stage, view: View, hit: Which, direction: Vectors, distance: PerHit, count: Counter[str]) -> PerHit:
     """1 for each of the given hits that nothing hides from a light in that direction, else 0."""
     surface = view.surface
     rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], direction)

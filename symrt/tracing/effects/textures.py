@@ -4,16 +4,16 @@ from collections.abc import Mapping
 
 from symrt.geometry.textures import weights
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Call, Effect, Hits, PerHit
+from symrt.tracing.effects.effect import Call, Effect, PerHit
 from symrt.tracing.stage import Alternatives, Stage
-from symrt.tracing.view import View
+from symrt.tracing.view import View, Which
 
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  an alternative takes a material's place
     return Call(tuple(sorted(scene.used_textures)), without="no surface has one")
 
 
-def _blend(stage: Stage, name: str, view: View, hit: Hits) -> Mapping[str, PerHit] | None:
+def _blend(stage: Stage, name: str, view: View, hit: Which) -> Mapping[str, PerHit] | None:
     """The shares of a texture's materials at some hits; a material that stands twice in it has the sum."""
     texture = stage.textures.get(name)
     if texture is None:
