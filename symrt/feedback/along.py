@@ -18,7 +18,6 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from symrt.arrays import Spectrum
 from symrt.feedback.bounds import Sizes
 from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
 from symrt.spectra.bands import Number
@@ -169,8 +168,12 @@ def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along
 def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> Along:
     """Every pixel as a polynomial in t when each of the symbols goes from its first spectrum to its last."""
     _check_settled(system)
-    gamma(system.interactions, palette)  # names what the palette lacks
-    columns = [_product(i, palette, ends) for i in system.interactions]
+    given = gamma(system.interactions, palette)
+    moving = [not ends.keys().isdisjoint((i.light, *i.met)) for i in system.interactions]
+    columns = [
+        _product(i, palette, ends) if moves else product[None]
+        for i, product, moves in zip(system.interactions, given, moving, strict=True)
+    ]
     degrees = np.array([len(c) - 1 for c in columns], dtype=int)
     degree = int(degrees.max(initial=0))
     power = all(not first.any() for first, _ in ends.values())
@@ -185,7 +188,7 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
         ),
         degrees=_degrees(system, np.where(changing, degrees, 0)),
         terms=int(np.diff(system.G.indptr).max(initial=0))
-        + max((i.degree for i in system.interactions), default=0)
+        + max((len(i.met) for i in system.interactions), default=0)
         + 8,
         signed=bool((system.G.data < 0).any()),
     )
@@ -196,7 +199,8 @@ def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends
     product = np.ones((1, len(palette.bands)))
     for name in (interaction.light, *interaction.met):
         if name not in ends:
-            product = product * _spectrum(palette, name)
+            # An alternative that the palette does not name is no part of the picture.
+            product = product * np.asarray(palette.spectra.get(name, 0.0))
             continue
         first, last = ends[name]
         product = np.vstack([product * first, np.zeros_like(first)]) + np.vstack([np.zeros_like(last), product * last])
@@ -224,8 +228,3 @@ def _degrees(system: LinearSystem, columns: Int[np.ndarray, " interaction"]) -> 
 def _check_settled(system: LinearSystem) -> None:
     if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
         raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")
-
-
-def _spectrum(palette: Palette, name: str) -> Spectrum:
-    """A symbol's spectrum; an alternative that the palette does not name is no part of the picture."""
-    return palette[name] if name in palette else np.zeros(len(palette.bands))
