@@ -5,18 +5,11 @@ Both sides of the waist are given files and arguments, so this stands at the bot
 
 import difflib
 import inspect
-import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import wraps
 from typing import TypeVar
 
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-"""What lights, materials and textures may be called."""
-RESERVED = ("bands", "unphysical")
-"""Keys of a palette's table in a file: no light can be called so."""
-SYMBOL = re.compile(rf"{NAME.pattern}(>{NAME.pattern})?\.{NAME.pattern}")
-"""What reflectances and parameters are called: ``material.component``, or ``sea>ice.diffuse`` for an alternative."""
 UNSEEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 """Unicode's categories of what controls a terminal, turns or hides letters, ends a line, or is no letter at all."""
 

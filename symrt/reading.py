@@ -11,7 +11,8 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 from symrt.disk import ordinary
-from symrt.errors import NAME, SceneError, shown, suggestion
+from symrt.errors import SceneError, shown, suggestion
+from symrt.symbols import NAME
 
 LARGEST = 16 << 20
 """Bytes that a scene file may have; geometry and pictures have files of their own."""

@@ -12,7 +12,8 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
-from symrt.errors import NAME, RESERVED, SYMBOL, plain, shown
+from symrt.errors import plain, shown
+from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
 from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 
 KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
@@ -120,12 +121,13 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Names against the rule for scene files, and against each other."""
     columns = (*system.interactions, *tail.interactions)
     met = {name for i in columns for name in i.met} | {name for s in tail.reflected for names, _ in s for name in names}
-    materials = {part for name in met for part in name.partition(".")[0].split(">")} | set(system.models)
+    symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
+    materials = {name for symbol in symbols for name in (symbol.material, symbol.place)} | set(system.models)
     for kind, names, rule in (
         ("light", system.white, NAME),
         ("material", system.models, NAME),
-        ("reflectance", sorted(met), SYMBOL),
-        ("parameter", system.parameters, SYMBOL),
+        ("reflectance", sorted(met), OF_MATERIAL),
+        ("parameter", system.parameters, OF_MATERIAL),
         ("step", system.seconds, NAME),
     ):
         yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
@@ -174,7 +176,7 @@ def _parameters(rows: list[Any]) -> dict[str, Nodes]:
     for name, low, high, count, scale in rows:
         if _text(name) in found:
             raise ValueError(f"two parameters are called {shown(name)}")
-        if not SYMBOL.fullmatch(name):
+        if not OF_MATERIAL.fullmatch(name):
             raise ValueError(f"a parameter is called {shown(name)}")
         found[name] = Nodes(name, float.fromhex(_text(low)), float.fromhex(_text(high)), _count(count), _text(scale))  # type: ignore[arg-type]  # Nodes checks it
     return found

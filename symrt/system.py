@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from symrt.errors import shown
+from symrt.symbols import Symbol
 from symrt.table import html_table
 from symrt.written import written_terms
 
@@ -304,7 +305,9 @@ class LinearSystem:
 def _written(term: tuple[float, tuple[str, ...]], text: str) -> tuple[Interaction, float]:
     """A term that was written, as an interaction and its coefficient."""
     coefficient, names = term
-    lights = [name for name in names if "." not in name]
+    symbols = [Symbol.of(name) for name in names]
+    lights = [symbol.light for symbol in symbols if symbol.light]
     if len(lights) != 1:
         raise ValueError(f"{shown(text)}: {len(lights)} lights in a term; every path of light starts at exactly one")
-    return Interaction(lights[0], tuple(sorted(name for name in names if "." in name))), coefficient
+    met = sorted(name for name, symbol in zip(names, symbols, strict=True) if symbol.reflectance)
+    return Interaction(lights[0], tuple(met)), coefficient

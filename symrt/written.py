@@ -2,11 +2,11 @@
 
 import re
 
-from symrt.errors import NAME, shown
+from symrt.errors import shown
+from symrt.symbols import WRITTEN
 
 NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-SYMBOL = rf"{NAME.pattern}(?:(?:>{NAME.pattern})?\.{NAME.pattern})?"
-FACTOR = re.compile(rf"(?P<number>{NUMBER})|(?P<name>{SYMBOL})(?:\s*\*\*\s*(?P<power>[1-9]\d{{0,2}})(?!\d))?")
+FACTOR = re.compile(rf"(?P<number>{NUMBER})|(?P<name>{WRITTEN})(?:\s*\*\*\s*(?P<power>[1-9]\d{{0,2}})(?!\d))?")
 ONE = re.sub(r"\?P<\w+>", "?:", FACTOR.pattern)
 TERM = re.compile(rf"(?P<signs>[-+\s]*)(?P<term>(?:{ONE})(?:\s*\*\s*(?:{ONE}))*)\s*")
 """Signs, and factors joined by ``*``: numbers, and names that may have a whole power below 1000."""

@@ -121,3 +121,53 @@ def test_every_extra_is_named_where_it_is_needed():
     text = "\n".join(path.read_text() for path in [*MODULES, *(HOME / "tests").rglob("*.py"), HOME / "README.md"])
     extras = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     assert [name for name in extras if f"[{name}]" not in text and f"symrt[{name}" not in str(extras)] == []
+
+
+APART = {
+    *("partition", "rpartition", "split", "rsplit", "replace", "find", "rfind", "index", "count"),
+    *("startswith", "endswith", "removeprefix", "removesuffix"),
+}
+"""Methods that take a text apart, or look at its ends."""
+OTHER = {
+    **dict.fromkeys(["reading.py", "scene/files.py", "scene/consistency.py"], "keys of a TOML file, camera.width"),
+    **dict.fromkeys(["show/plots/region.py", "spectra/files.py"], "decimal points"),
+    "device/cxf.py": "paths in XML",
+}
+"""Texts with dots that are no symbols."""
+
+
+def marks(node) -> set[str]:
+    """The marks of a symbol's syntax that a text, or an f-string, begins or ends with."""
+    parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+    texts = [part.value for part in parts if isinstance(part, ast.Constant) and isinstance(part.value, str)]
+    return {text[end] for text in texts for end in (0, -1) if text} & {".", ">"}
+
+
+def takes_a_symbol_apart(node) -> bool:
+    """Whether a piece of code splits a text at a mark, asks if it has one, or puts one between two values."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in APART:
+        given = [leaf for argument in node.args for leaf in getattr(argument, "elts", [argument])]
+        return any(marks(leaf) for leaf in given)
+    if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+        return isinstance(node.left, ast.Constant) and node.left.value in (".", ">")
+    if isinstance(node, ast.JoinedStr):
+        inner = zip(node.values, node.values[1:], node.values[2:], strict=False)
+        return any(
+            isinstance(mark, ast.Constant)
+            and mark.value in (".", ">")
+            and isinstance(before, ast.FormattedValue)
+            and isinstance(after, ast.FormattedValue)
+            for before, mark, after in inner
+        )
+    return isinstance(node, ast.Attribute) and node.attr == "pattern" and getattr(node.value, "id", "") == "NAME"
+
+
+def test_one_module_knows_how_a_symbol_is_written():
+    found = {
+        f"{path.relative_to(HOME / 'symrt')}:{node.lineno}"
+        for path in MODULES
+        if str(path.relative_to(HOME / "symrt")) not in {"symbols.py", *OTHER}
+        for node in ast.walk(ast.parse(path.read_text()))
+        if takes_a_symbol_apart(node)
+    }
+    assert found == set()

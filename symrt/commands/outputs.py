@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from symrt.errors import NAME
 from symrt.reading import shipped_scene
+from symrt.symbols import NAME
 
 
 def writable(path: Path, *endings: str, form: str | None = None) -> Path:

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from symrt.arrays import Spectrum
-from symrt.feedback.parameters import component_of
-from symrt.spectra.palette import Palette, is_reflectance
+from symrt.spectra.palette import Palette
+from symrt.symbols import Symbol
 
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 INWARD = 1 - 2.0**-50
@@ -73,9 +73,9 @@ def above_one(palette: Palette, moved: Collection[str] | None = None) -> tuple[s
 def grouped(palette: Palette) -> Mapping[str, list[str]]:
     """Symbols whose reflectances count together, by the name of their material; single ones by their own."""
     groups = defaultdict(list)
-    for symbol in sorted(name for name in palette if is_reflectance(name)):
-        material = symbol.partition(".")[0]
-        groups[material if component_of(symbol) in TOGETHER else symbol].append(symbol)
+    for name in sorted(palette.reflectances):
+        symbol = Symbol.of(name)
+        groups[str(symbol.surface) if symbol.component in TOGETHER else name].append(name)
     return groups
 
 

@@ -14,7 +14,8 @@ from symrt.arrays import Spectrum
 from symrt.errors import require
 from symrt.feedback.mixing import Mixing, check_paints, mixed
 from symrt.spectra.bands import Number
-from symrt.spectra.palette import Palette, did_you_mean, is_reflectance
+from symrt.spectra.palette import Palette, did_you_mean
+from symrt.symbols import Surface, Symbol, named
 from symrt.system import LinearSystem
 
 Ends = tuple[Spectrum, Spectrum]
@@ -78,7 +79,7 @@ def moved(system: LinearSystem, palette: Palette, parameter: Parameter, value: N
 
 def with_spectra(palette: Palette, spectra: Mapping[str, Spectrum]) -> Palette:
     """A palette with other spectra, allowed above 1."""
-    above = any(is_reflectance(name) and bool(values.max() > 1) for name, values in spectra.items())
+    above = any(Symbol.of(name).reflectance and bool(values.max() > 1) for name, values in spectra.items())
     return replace(palette, spectra={**palette.spectra, **spectra}, unphysical=palette.unphysical or above)
 
 
@@ -107,32 +108,23 @@ def ends_owners(ends: Collection[str], parameter: Parameter) -> dict[str, tuple[
     if not isinstance(parameter, Blend):
         return {name: (name, name) for name in ends}
     own, other = parameter.material, parameter.other
-    return {name: (f"{own}.{component_of(name)}", f"{other}.{component_of(name)}") for name in ends}
+    components = {name: Symbol.of(name).component for name in ends}
+    return {name: (named(own, component), named(other, component)) for name, component in components.items()}
 
 
 def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> tuple[str, ...]:
     """The symbols that a scale multiplies: a light, a component, or all components of a material."""
     symbols = sorted({*system.lights, *system.symbols, *palette})
-    found = [s for s in symbols if parameter.name in {s, material_of(s)} - {""}]
+    found = [s for s in symbols if parameter.name and parameter.name in (s, Symbol.of(s).material)]
     if not found:
-        known = sorted({*symbols, *(material_of(s) for s in symbols)} - {""})
-        near = did_you_mean([parameter.name], known)
-        there = "" if "did you mean" in near else f"; there are {', '.join(name for name in known if '.' not in name)}"
+        whole = sorted({Symbol.of(s).light or Symbol.of(s).material for s in symbols})
+        near = did_you_mean([parameter.name], sorted({*symbols, *whole}))
+        there = "" if "did you mean" in near else f"; there are {', '.join(whole)}"
         raise ValueError(
             f"nothing to scale is called {near}: name a light, a material, or one component of it such as "
             f"'brass.specular'{there}"
         )
     return tuple(found)
-
-
-def material_of(symbol: str) -> str:
-    """Whose spectrum a symbol is: ``ice``'s for ``ice.diffuse`` and for ``sea>ice.diffuse``; nobody's for a light."""
-    return symbol.partition(".")[0].rpartition(">")[2] if is_reflectance(symbol) else ""
-
-
-def component_of(symbol: str) -> str:
-    """What follows the dot: ``diffuse``."""
-    return symbol.rpartition(".")[2]
 
 
 def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[str, Ends]:
@@ -141,11 +133,12 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
         raise ValueError(f"a blend of {blend.material} with itself changes nothing: name two materials")
     own, other = (_components(system, palette, name) for name in (blend.material, blend.other))
     nothing = np.zeros(len(palette.bands))
-    added = f"{blend.material}>{blend.other}"
+    added = Surface(blend.other, instead_of=blend.material)
     paints = blend.mixing == "kubelka-munk"
-    if not paints and (added in system.models or any(name.startswith(f"{added}.") for name in system.reflectances)):
-        return {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], nothing) for c in own} | {
-            f"{added}.{c}": (nothing, palette[f"{blend.other}.{c}"]) for c in other
+    traced = str(added) in system.models or any(Symbol.of(name).surface == added for name in system.reflectances)
+    if traced and not paints:
+        return {named(blend.material, c): (palette[named(blend.material, c)], nothing) for c in own} | {
+            named(str(added), c): (nothing, palette[named(blend.other, c)]) for c in other
         }
     models = [system.models.get(name, "no model on record") for name in (blend.material, blend.other)]
     if own != other or models[0] != models[1]:
@@ -159,7 +152,7 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
             f"{described} differ in more than their spectra: trace(scene, alternatives="
             f'{{"{blend.material}": ["{blend.other}"]}}) adds the columns that the blend needs'
         )
-    ends = {f"{blend.material}.{c}": (palette[f"{blend.material}.{c}"], palette[f"{blend.other}.{c}"]) for c in own}
+    ends = {named(blend.material, c): (palette[named(blend.material, c)], palette[named(blend.other, c)]) for c in own}
     if paints:
         for name, (first, last) in ends.items():
             check_paints(first, last, name)
@@ -167,10 +160,11 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
 
 
 def _components(system: LinearSystem, palette: Palette, material: str) -> frozenset[str]:
-    symbols = {*system.reflectances, *palette.reflectances}
-    found = frozenset(component_of(s) for s in symbols if s.partition(".")[0] == material)
+    symbols = [Symbol.of(name) for name in {*system.reflectances, *palette.reflectances}]
+    own = [symbol for symbol in symbols if not symbol.alternative]
+    found = frozenset(symbol.component for symbol in own if symbol.material == material)
     if not found:
-        known = sorted({s.partition(".")[0] for s in symbols if ">" not in s})
+        known = sorted({symbol.material for symbol in own})
         near = did_you_mean([material], known)
         there = "" if "did you mean" in near else f"; there are {', '.join(known)}"
         raise ValueError(f"no material is called {near}: a blend joins two materials{there}")

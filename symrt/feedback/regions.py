@@ -10,10 +10,10 @@ import numpy as np
 from jaxtyping import Bool
 from scipy import sparse
 
-from symrt.errors import NAME, require
-from symrt.feedback.parameters import material_of
+from symrt.errors import require
 from symrt.feedback.weighing import check_mask
 from symrt.spectra.palette import Palette, did_you_mean
+from symrt.symbols import NAME, Surface, Symbol
 from symrt.system import Interaction, LinearSystem, Tail
 
 Mask = Bool[np.ndarray, "height width"]
@@ -40,10 +40,12 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     require("system", system, LinearSystem, "render(scene)")
     require("material", material, str, "the name of a material")
     require("name", name, str, "a new name for the region")
-    known = {material_of(symbol) for symbol in system.reflectances}
+    symbols = [Symbol.of(reflectance) for reflectance in system.reflectances]
+    known = {symbol.place for symbol in symbols}
     if material not in known:
         raise ValueError(f"no material {did_you_mean([material], known)}; there are: {', '.join(sorted(known))}")
-    if NAME.fullmatch(name) is None or name in known or name in system.lights:
+    taken = {*known, *(symbol.material for symbol in symbols), *system.lights}
+    if NAME.fullmatch(name) is None or name in taken:
         raise ValueError(f"{name!r}: a region needs a name of its own: a letter, then letters, digits, underscores")
     check_mask(system, mask, "the mask")
     matrix, interactions = _parted(system.G, system.interactions, material, mask.ravel(), name)
@@ -66,11 +68,11 @@ def with_region(palette: Palette, material: str, name: str) -> Palette:
     require("palette", palette, Palette, "one of load_palettes(path)")
     require("material", material, str, "the name of a material")
     require("name", name, str, "the region's name")
-    own = {s: palette[s] for s in palette.reflectances if material_of(s) == material}
+    own = [s for s in palette.reflectances if Symbol.of(s).place == material]
     if not own:
-        known = sorted({material_of(s) for s in palette.reflectances})
+        known = sorted({Symbol.of(s).place for s in palette.reflectances})
         raise ValueError(f"the palette has no material {did_you_mean([material], known)}")
-    return palette.add({f"{name}{symbol[len(material) :]}": spectrum for symbol, spectrum in own.items()})
+    return palette.add({_called(symbol, material, name): palette[symbol] for symbol in own})
 
 
 def _parted(
@@ -90,7 +92,7 @@ def _parted(
 
 
 def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], name: str) -> Tail:
-    own = [shares for shares in tail.reflected if any(_is_seen(s, material) for met, _ in shares for s in met)]
+    own = [shares for shares in tail.reflected if any(Symbol.of(s).place == material for met, _ in shares for s in met)]
     region = tuple(tuple((_renamed_met(met, material, name), c) for met, c in shares) for shares in own)
     return Tail(*_parted(tail.bound, tail.interactions, material, inside, name), tail.reflected + region)
 
@@ -100,9 +102,13 @@ def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
 
 
 def _renamed_met(met: tuple[str, ...], material: str, name: str) -> tuple[str, ...]:
-    return tuple(sorted(name + s[len(material) :] if _is_seen(s, material) else s for s in met))
+    return tuple(sorted(_called(symbol, material, name) for symbol in met))
 
 
-def _is_seen(symbol: str, material: str) -> bool:
-    """Whether a symbol is of a point of the material: ``sea.diffuse`` and ``sea>ice.diffuse`` are of the sea's."""
-    return symbol.startswith((f"{material}.", f"{material}>"))
+def _called(text: str, material: str, name: str) -> str:
+    """A symbol in the region: ``sea.diffuse`` and ``sea>ice.diffuse``, both of points of the sea, get its new name."""
+    symbol = Symbol.of(text)
+    if symbol.place != material:
+        return text
+    surface = Surface(symbol.material, instead_of=name) if symbol.alternative else Surface(name)
+    return str(replace(symbol, surface=surface))

@@ -16,7 +16,6 @@ from symrt.arrays import Spectrum
 from symrt.device.colorimetry import lab
 from symrt.errors import require_list
 from symrt.feedback.limits import reflectances, white_in_every_band
-from symrt.feedback.parameters import material_of
 from symrt.feedback.weighing import check_most
 from symrt.gamut.colorimetric import ColorimetricGamut
 from symrt.gamut.interface import ConvexGamut
@@ -26,6 +25,7 @@ from symrt.spectra.bands import Bands
 from symrt.spectra.library import colour_difference
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, sentences, text_table
 
@@ -219,7 +219,7 @@ def _image(system: LinearSystem, palette: Palette, pixels: Pixels, white: Spectr
     coefficients.eliminate_zeros()
     columns: dict[str, list[int]] = {}
     for j, interaction in enumerate(system.interactions):
-        for material in {material_of(symbol) for symbol in interaction.met}:
+        for material in {Symbol.of(symbol).material for symbol in interaction.met}:
             columns.setdefault(material, []).append(j)
     materials = {name: np.diff(coefficients[:, own].indptr) > 0 for name, own in sorted(columns.items())}
     places = np.stack([pixels % system.width, pixels // system.width], axis=1)

@@ -26,13 +26,13 @@ from symrt.feedback.parameters import (
     Parameter,
     Scale,
     ends_owners,
-    material_of,
     mixing_of,
     moved,
     moved_ends,
 )
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 
 SHOWN = 3
@@ -178,8 +178,8 @@ def _others(system: LinearSystem, palette: Palette, own: frozenset[str]) -> dict
     """The lights, the materials and the exposure with the spectra that each scales, but none that scales the same."""
     lights = [name for name in system.lights if name in palette]
     groups: dict[Scale | Exposure, frozenset[str]] = {Scale(name): frozenset([name]) for name in lights}
-    for material in sorted({material_of(name) for name in palette} - {""}):
-        groups[Scale(material)] = frozenset(name for name in palette if material_of(name) == material)
+    for material in sorted({Symbol.of(name).material for name in palette.reflectances}):
+        groups[Scale(material)] = frozenset(n for n in palette if Symbol.of(n).material == material)
     if len(lights) > 1:
         groups[Exposure()] = frozenset(lights)
     used = {*system.lights, *system.reflectances}

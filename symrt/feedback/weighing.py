@@ -11,10 +11,10 @@ from fractions import Fraction
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.feedback.parameters import material_of
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import did_you_mean
-from symrt.system import LinearSystem
+from symrt.symbols import Symbol
+from symrt.system import Interaction, LinearSystem
 
 LARGEST_SUM = 61
 """Weights add up to less than 2⁶², so that no share is off by more than 2⁻⁴³ with half a million pixels."""
@@ -125,11 +125,11 @@ def pixels_of(system: LinearSystem, name: str) -> Mask:
     >>> pixels_of(system, "sea"), pixels_of(system, "brass.mirror")
     (array([[ True,  True, False]]), array([[ True, False, False]]))
     """
-    named = [_names(i.light, i.met) for i in system.interactions]
-    known = sorted(set().union(*named))
-    if name not in known:
-        near = did_you_mean([name], known)
-        there = "" if "did you mean" in near else f"; there are {', '.join(word for word in known if '.' not in word)}"
+    named = [_names(i) for i in system.interactions]
+    if name not in (known := set().union(*named)):
+        near = did_you_mean([name], sorted(known))
+        whole = sorted(known.difference(system.reflectances))
+        there = "" if "did you mean" in near else f"; there are {', '.join(whole)}"
         raise ValueError(f"nothing in the picture is called {near}: name a material or a light{there}")
     columns = np.array([name in names for names in named])
     entry = columns[system.G.indices] & (system.G.data != 0)
@@ -152,10 +152,12 @@ def check_most(most: int) -> None:
         raise ValueError(f"most = {most}: it is how many pixels are asked about, 1 or more")
 
 
-def _names(light: str, met: tuple[str, ...]) -> set[str]:
+def _names(interaction: Interaction) -> set[str]:
     """What a column is about; ``sea>ice.diffuse`` is what might be there, and nothing in the picture."""
-    seen = {symbol for symbol in met if ">" not in symbol}
-    return {light, *seen, *map(material_of, seen)} if len(seen) == len(set(met)) else set()
+    symbols = [Symbol.of(name) for name in interaction.met]
+    if any(symbol.alternative for symbol in symbols):
+        return set()
+    return {interaction.light, *interaction.met, *(symbol.material for symbol in symbols)}
 
 
 def _whole(

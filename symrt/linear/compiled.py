@@ -15,6 +15,7 @@ from jaxtyping import Float
 from symrt.linear.functions import function_of
 from symrt.reflection.polynomials import Monomial, monomials
 from symrt.reflection.symbols import Factor, Lobe, Parameter, lobe_values
+from symrt.symbols import named
 from symrt.system import Nodes
 
 NodeIndex = tuple[tuple[str, int], ...]
@@ -94,7 +95,7 @@ def compile_formula(
         for index, bound in _at_nodes(coefficient.xreplace(values), free):
             if any(lobe.args[1] < 0 for lobe in bound.atoms(Lobe)):
                 raise ValueError(f"{material}: {bound}: an exponent of a cosine must not be negative; 40 is glossy")
-            terms.append((tuple(f"{material}.{name}" for name in met), index))
+            terms.append((tuple(named(material, name) for name in met), index))
             coefficients.append(bound)
     factors = tuple(sorted({symbol.name for c in coefficients for symbol in c.atoms(Factor)}))
     return Compiled(tuple(terms), factors, tuple(coefficients))

@@ -10,6 +10,7 @@ from symrt.linear.compiled import Compiled, compile_formula
 from symrt.reflection.models import FORMULAS, LIT
 from symrt.reflection.nodes import choose_nodes
 from symrt.reflection.polynomials import monomials
+from symrt.symbols import Surface, named
 from symrt.system import Nodes, Shares
 from symrt.tracing.raytree import MaterialRecord
 
@@ -54,7 +55,7 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
     """
     materials = with_values(materials, values or {})
     nodes = _nodes(materials, free)
-    own = {name: record for name, record in materials.items() if ">" not in name}
+    own = {name: record for name, record in materials.items() if not Surface.of(name).alternative}
     return Program(
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
         signatures={name: record.signature() for name, record in own.items()},
@@ -73,19 +74,19 @@ def with_values(materials: Materials, values: Values) -> Materials:
     return {
         name: replace(
             record,
-            parameters={key: float(values.get(f"{_owner(name)}.{key}", v)) for key, v in record.parameters.items()},
+            parameters={key: float(values.get(_parameter(name, key), v)) for key, v in record.parameters.items()},
         )
         for name, record in materials.items()
     }
 
 
-def _owner(name: str) -> str:
-    """Whose parameters a material has: ``ice``, for the alternative ``sea>ice``."""
-    return name.rpartition(">")[2]
+def _parameter(surface: str, key: str) -> str:
+    """The name of a surface's parameter: its material's, ``ice.exponent`` for the alternative ``sea>ice``."""
+    return named(Surface.of(surface).material, key)
 
 
 def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, object]) -> None:
-    known = {f"{_owner(name)}.{key}" for name, record in materials.items() for key in record.parameters}
+    known = {_parameter(name, key) for name, record in materials.items() for key in record.parameters}
     if unknown := sorted(set(names) - known):
         there = ", ".join(sorted(known)) or "none"
         raise ValueError(f"no material has the parameter {', '.join(unknown)}; the scene's parameters: {there}")
@@ -94,7 +95,11 @@ def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, objec
 def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
     _check_known(materials, free)
     if not isinstance(free, Mapping):
-        now = {f"{name}.{key}": value for name, record in materials.items() for key, value in record.parameters.items()}
+        now = {
+            _parameter(name, key): value
+            for name, record in materials.items()
+            for key, value in record.parameters.items()
+        }
         free = {name: (now[name] / 4, now[name] * 4) for name in free}
     return {name: choose_nodes(name, low, high) for name, (low, high) in free.items()}
 
@@ -104,7 +109,8 @@ def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> 
     bounds: dict[str, float] = {}
     for name, record in materials.items():
         bound = largest(record.model.formulas[field], _ranges(name, record, nodes))
-        bounds[_place(name)] = bounds.get(_place(name), 0.0) + bound
+        place = Surface.of(name).place
+        bounds[place] = bounds.get(place, 0.0) + bound
     return max(bounds.values(), default=0.0)
 
 
@@ -113,23 +119,19 @@ def _sent(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> dict[
     for name, record in materials.items():
         ranges = _ranges(name, record, nodes)
         terms = monomials(record.model.formulas[field]).items()
-        own = tuple((tuple(f"{name}.{component}" for component in met), largest(c, ranges)) for met, c in terms)
-        shares[_place(name)] = shares.get(_place(name), ()) + own
+        own = tuple((tuple(named(name, component) for component in met), largest(c, ranges)) for met, c in terms)
+        place = Surface.of(name).place
+        shares[place] = shares.get(place, ()) + own
     return shares
-
-
-def _place(name: str) -> str:
-    """Whose points a material is evaluated at: ``sea``, for the alternative ``sea>ice``."""
-    return name.partition(">")[0]
 
 
 def _ranges(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, tuple[float, float]]:
     ranges = {key: (value, value) for key, value in record.parameters.items()}
-    return ranges | {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := f"{_owner(name)}.{k}") in nodes}
+    return ranges | {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := _parameter(name, k)) in nodes}
 
 
 def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, Compiled]:
-    free = {key: nodes[f"{_owner(name)}.{key}"] for key in record.parameters if f"{_owner(name)}.{key}" in nodes}
+    free = {key: nodes[n] for key in record.parameters if (n := _parameter(name, key)) in nodes}
     compiled = {
         field: compile_formula(formula, name, record.parameters, free)
         for field, formula in record.model.formulas.items()

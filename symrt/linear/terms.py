@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 
 from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance
+from symrt.symbols import Surface, named
 from symrt.tracing.raytree import Branch, Lit, Points, RayTree
 
 DEEPEST = 65
@@ -91,7 +92,8 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
     total = []
     for points in level.points:
         for point in np.flatnonzero(points.hit == hit):
-            weight, name = float(points.weight[point]), points.material.replace(">", "_")
+            weight, surface = float(points.weight[point]), Surface.of(points.material)
+            name = f"{surface.place}_{surface.material}" if surface.alternative else surface.material
             share = letters.letter(f"weight_{name}", str(place), weight) if weight != 1 else 1
             total.append(share * _sent(tree, points, int(point), place, letters))
     total += [
@@ -178,7 +180,7 @@ def _arriving(
 
 def _bindings(tree: RayTree, points: Points) -> dict[sympy.Expr, sympy.Expr]:
     record = tree.materials[points.material]
-    components = {Reflectance(c): Reflectance(f"{points.material}.{c}") for c in record.model.components}
+    components = {Reflectance(c): Reflectance(named(points.material, c)) for c in record.model.components}
     return components | {Parameter(name): number(value) for name, value in record.parameters.items()}
 
 

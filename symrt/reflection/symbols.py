@@ -17,6 +17,7 @@ import sympy
 from jaxtyping import Float
 
 from symrt.errors import plain
+from symrt.symbols import halves
 
 ESCAPES = {"\\": r"\backslash ", "~": r"\sim ", "^": r"\hat{}", "<": r"{<}", **{c: f"\\{c}" for c in "_{}$%&#"}}
 """Characters that LaTeX obeys, and how they are written so that they are seen."""
@@ -58,7 +59,7 @@ class Kind(sympy.Symbol):
 
     def _latex(self, _printer: Any) -> str:
         # Names of one's own may hold anything; LaTeX, and MathJax in a notebook, obey none of it.
-        material, _, component = "".join(ESCAPES.get(c, c) for c in plain(self.name)).partition(".")
+        material, component = halves("".join(ESCAPES.get(c, c) for c in plain(self.name)))
         return rf"\mathrm{{{material}}}" + (rf"_{{\mathrm{{{component}}}}}" if component else "")
 
 

@@ -5,8 +5,9 @@ import numbers
 from collections.abc import Iterator
 from typing import Any
 
-from symrt.errors import NAME, shown
+from symrt.errors import shown
 from symrt.geometry import Triple
+from symrt.symbols import NAME
 
 Number = int | float
 

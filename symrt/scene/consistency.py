@@ -8,9 +8,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from symrt.errors import RESERVED, shown, suggestion
+from symrt.errors import shown, suggestion
 from symrt.reading import inside
 from symrt.scene.checks import check_name
+from symrt.symbols import RESERVED
 
 Keyed = Iterable[tuple[str, Any]]
 

@@ -17,6 +17,7 @@ from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import Light
+from symrt.symbols import named
 from symrt.table import html_table
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Material:
     @property
     def symbols(self) -> tuple[str, ...]:
         """Names of the reflectances that a palette must give."""
-        return tuple(f"{self.name}.{component}" for component in sorted(self.reflection.components))
+        return tuple(named(self.name, component) for component in sorted(self.reflection.components))
 
 
 @hinting

@@ -23,6 +23,7 @@ from symrt.spectra.bands import Number
 from symrt.spectra.display import display_matrix, encode, white_among
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
+from symrt.symbols import Symbol, named
 
 CHUNK = 8
 """Segments that are looked along at a time."""
@@ -162,7 +163,7 @@ def diffuse_materials(palette: Palette) -> tuple[str, ...]:
     >>> diffuse_materials(Palette(RGB, {"sun": 1, "sea.diffuse": 0.1, "sea.mirror": 0.02}))
     ('sea',)
     """
-    return tuple(name.removesuffix(".diffuse") for name in palette.reflectances if name.endswith(".diffuse"))
+    return tuple(str(s.surface) for s in map(Symbol.of, palette.reflectances) if s.component == "diffuse")
 
 
 def scale_segments(
@@ -236,7 +237,7 @@ def blend_segments(
 
 
 def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "material band"]:
-    spectra = [palette[f"{name}.diffuse"] for name in materials]
+    spectra = [palette[named(name, "diffuse")] for name in materials]
     return np.array(spectra).reshape(-1, len(palette.bands))
 
 

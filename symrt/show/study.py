@@ -14,6 +14,7 @@ from symrt.gamut import Gamut, device_gamut
 from symrt.linear import Formula, formula, render
 from symrt.scene import Scene
 from symrt.spectra import Palette, SpectralImage, shade
+from symrt.symbols import Symbol, named
 from symrt.system import LinearSystem
 
 DEVICE = "dye3-endura-premier"
@@ -102,7 +103,8 @@ def materials(system: LinearSystem) -> tuple[str, ...]:
     >>> materials(LinearSystem(sparse.csr_array((1, 2)), columns, height=1, width=1, white={"sun": 1.0}))
     ('ice', 'sea')
     """
-    return tuple(dict.fromkeys(name.partition(".")[0] for name in system.reflectances if ">" not in name))
+    symbols = map(Symbol.of, system.reflectances)
+    return tuple(dict.fromkeys(symbol.material for symbol in symbols if not symbol.alternative))
 
 
 def telling_pixel(system: LinearSystem) -> tuple[int, int]:
@@ -118,7 +120,8 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
     (1, 0)
     """
     names = materials(system)
-    met = [[float(any(m.startswith(f"{name}.") for m in i.met)) for name in names] for i in system.interactions]
+    seen = [{str(Symbol.of(symbol).surface) for symbol in i.met} for i in system.interactions]
+    met = [[float(name in surfaces) for name in names] for surfaces in seen]
     meeting = (abs(system.G).sign() @ np.array(met).reshape(-1, len(names)) > 0).sum(axis=1)
     y, x = np.divmod(np.arange(system.height * system.width), system.width)
     away = (2 * x - system.width) ** 2 + (2 * y - system.height) ** 2
@@ -141,7 +144,7 @@ def _parameters(system: LinearSystem, palette: Palette) -> list[Scale | Blend]:
     """Every material's and light's scale, and one blend: of the two unlike spectra of one model, dark to light."""
     names = materials(system)
     lights = [name for name in system.symbols if name in system.lights]
-    diffuse = {name: palette[f"{name}.diffuse"] for name in names if f"{name}.diffuse" in palette}
+    diffuse = {name: palette[s] for name in names if (s := named(name, "diffuse")) in palette}
     alike = [(a, b) for a, b in permutations(diffuse, 2) if system.models.get(a) == system.models.get(b)]
     apart = sorted(alike, key=lambda pair: float(np.sum(diffuse[pair[0]] - diffuse[pair[1]])))
     return [*map(Scale, names), *map(Scale, lights), *(Blend(a, b) for a, b in apart[:1])]

@@ -6,7 +6,6 @@ negative.  ``sea>ice.diffuse`` is ice's reflectance at a point of sea, which a b
 
 import difflib
 import html
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -15,16 +14,15 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import Spectrum
-from symrt.errors import NAME, RESERVED, require, shown
+from symrt.errors import require, shown
 from symrt.spectra.bands import Bands, resample
 from symrt.spectra.library import spectrum as library_spectrum
+from symrt.symbols import RESERVED, Symbol
 
 SpectrumLike = (
     Float[np.ndarray, " _"] | Int[np.ndarray, " _"] | Sequence[float | int | np.number] | float | int | np.number | str
 )
 """An array or list with one value a band, a number for all bands, or a name such as ``macbeth/dark skin``."""
-
-SYMBOL = re.compile(rf"{NAME.pattern}((>{NAME.pattern})?\.{NAME.pattern})?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +84,12 @@ class Palette:
     @property
     def lights(self) -> tuple[str, ...]:
         """Names of the symbols that are lights."""
-        return tuple(name for name in self if not is_reflectance(name))
+        return tuple(name for name in self if Symbol.of(name).light)
 
     @property
     def reflectances(self) -> tuple[str, ...]:
         """Names of the symbols that are reflectances."""
-        return tuple(name for name in self if is_reflectance(name))
+        return tuple(name for name in self if Symbol.of(name).reflectance)
 
     @property
     def above_one(self) -> tuple[str, ...]:
@@ -168,11 +166,6 @@ class Palette:
         return f"<p>{html.escape(repr(self.bands))}</p><table>{rows}</table>"
 
 
-def is_reflectance(name: str) -> bool:
-    """Whether a symbol's name is a reflectance's (it has a dot) and not a light's."""
-    return "." in name
-
-
 def did_you_mean(wrong: Iterable[str], right: Iterable[str]) -> str:
     """The wrong names, quoted, each with the right one that is nearest to it."""
     known = list(right)
@@ -182,11 +175,10 @@ def did_you_mean(wrong: Iterable[str], right: Iterable[str]) -> str:
 
 def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> Spectrum:
     """A read-only array for one symbol, or the one-line reason why there is none."""
-    if not SYMBOL.fullmatch(name):
-        raise ValueError(f"{shown(name)}: a symbol is a light's name, or material.component; letters, digits, '_'")
+    reflectance = Symbol.of(name).reflectance
     if name in RESERVED:
         raise ValueError(f"{name!r}: palette files have a key of this name; call the light otherwise")
-    given = library_spectrum(value, bands, reflectance=is_reflectance(name)) if isinstance(value, str) else value
+    given = library_spectrum(value, bands, reflectance=reflectance) if isinstance(value, str) else value
     try:
         array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -202,7 +194,7 @@ def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> 
         raise ValueError(f"{name!r} is {array[~np.isfinite(array)][0]} at {_where(~np.isfinite(array), bands)}")
     if np.any(array < 0):
         raise ValueError(f"{name!r} is {array.min():g} at {_where(array < 0, bands)}: no spectrum is negative")
-    if is_reflectance(name) and not unphysical and np.any(array > 1):
+    if reflectance and not unphysical and np.any(array > 1):
         at = _where(array > 1, bands)
         remedy = (
             "percent? divide by 100; if it is meant, unphysical=True"

@@ -25,11 +25,12 @@ import tomli_w
 from jaxtyping import Float
 
 from symrt.disk import write_whole
-from symrt.errors import NAME, SceneError, refuse, require, shown, suggestion
+from symrt.errors import SceneError, refuse, require, shown, suggestion
 from symrt.reading import inside, number_faults, read_toml, scene_path
 from symrt.spectra.bands import RGB, Bands, resample, wavelengths
 from symrt.spectra.library import from_rgb, spectrum
-from symrt.spectra.palette import Palette, SpectrumLike, is_reflectance
+from symrt.spectra.palette import Palette, SpectrumLike
+from symrt.symbols import NAME, Symbol, named
 
 SOURCES = ("spectrum", "rgb", "file")
 WHITE = "reference-white"
@@ -155,14 +156,19 @@ def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict
     """What a palette takes for each symbol, and a line for each symbol that says nothing usable."""
     spectra: dict[str, SpectrumLike] = {}
     faults = []
-    for symbol, value in _symbols(table):
-        if symbol in spectra:
-            faults.append(f"{_quoted(symbol)} is given twice, with quotes and without: keep one")
+    for name, value in _symbols(table):
+        if name in spectra:
+            faults.append(f"{_quoted(name)} is given twice, with quotes and without: keep one")
             continue
         try:
-            spectra[symbol] = _spectrum(symbol, value, bands, folder)
+            symbol = Symbol.of(name)
         except ValueError as error:
-            faults += [f"{_quoted(symbol)} = {shown(value)}: {line}" for line in _lines(error)]
+            faults += _lines(error)
+            continue
+        try:
+            spectra[name] = _spectrum(symbol, value, bands, folder)
+        except ValueError as error:
+            faults += [f"{_quoted(name)} = {shown(value)}: {line}" for line in _lines(error)]
     return spectra, faults
 
 
@@ -184,15 +190,15 @@ def _symbols(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
         if key in KEYS:
             continue
         if isinstance(value, dict) and value and not set(value) & {*SOURCES, "scale"}:
-            yield from ((f"{key}.{component}", inner) for component, inner in value.items())
+            yield from ((named(key, component), inner) for component, inner in value.items())
         else:
             yield key, value
 
 
-def _spectrum(symbol: str, value: object, bands: Bands, folder: Path) -> SpectrumLike:
+def _spectrum(symbol: Symbol, value: object, bands: Bands, folder: Path) -> SpectrumLike:
     """What a palette takes for a symbol; everything a file may say is checked here, and only here."""
     if isinstance(value, str):
-        return spectrum(value, bands, reflectance=is_reflectance(symbol))
+        return spectrum(value, bands, reflectance=symbol.reflectance)
     if _is_number(value):
         return float(value)
     if isinstance(value, list):
@@ -209,15 +215,15 @@ def _spectrum(symbol: str, value: object, bands: Bands, folder: Path) -> Spectru
     return _from_source(symbol, value, bands, folder) * float(scale)
 
 
-def _from_source(symbol: str, value: dict[str, Any], bands: Bands, folder: Path) -> Float[np.ndarray, " band"]:
+def _from_source(symbol: Symbol, value: dict[str, Any], bands: Bands, folder: Path) -> Float[np.ndarray, " band"]:
     if "rgb" in value:
         rgb = _numbers(value["rgb"] if isinstance(value["rgb"], list) else [], 3)
-        return from_rgb(rgb, bands, reflectance=is_reflectance(symbol))
+        return from_rgb(rgb, bands, reflectance=symbol.reflectance)
     source = value.get("spectrum", value.get("file"))
     if not isinstance(source, str):
         raise SceneError(f"{shown(source)} is not a name: write it in quotes")
     if "spectrum" in value:
-        return spectrum(source, bands, reflectance=is_reflectance(symbol))
+        return spectrum(source, bands, reflectance=symbol.reflectance)
     nm, values = _read_table(inside(folder, source), source)
     return resample(nm, values, bands, source)
 

@@ -22,6 +22,7 @@ from symrt.spectra.display import check_exposure, display_matrix, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
+from symrt.symbols import Symbol, named
 from symrt.system import Interaction, LinearSystem, Tail
 
 Gamma = Float[np.ndarray, "interaction band"]
@@ -136,12 +137,19 @@ def misspelt(system: LinearSystem, palette: Palette) -> dict[str, str]:
     words = {material: set(re.findall(r"[A-Za-z]\w*", text)) for material, text in system.models.items()}
     known, found = {*system.lights, *system.reflectances}, {}
     for name in palette:
-        material, dot, component = name.partition(".")
-        if name in known or component in words.get(material, ()) or ">" in name:
+        symbol = Symbol.of(name)
+        if name in known or symbol.alternative or symbol.component in words.get(symbol.material, ()):
             continue
-        near = _near(component, words[material]) if material in words else _near(material, words if dot else known)
-        if near:
-            found[name] = f"{material}.{near}" if material in words else near + dot + component
+        if symbol.light:
+            meant = _near(name, known)
+        elif symbol.material in words:
+            near = _near(symbol.component, words[symbol.material])
+            meant = near and named(symbol.material, near)
+        else:
+            near = _near(symbol.material, words)
+            meant = near and named(near, symbol.component)
+        if meant:
+            found[name] = meant
     return found
 
 
@@ -179,7 +187,7 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
 
 def check_symbols(symbols: Sequence[str], palette: Palette) -> None:
     """Refuse a palette that lacks a symbol which is not an alternative's."""
-    missing = [name for name in symbols if name not in palette and ">" not in name]
+    missing = [name for name in symbols if name not in palette and not Symbol.of(name).alternative]
     if missing:
         raise ValueError(
             f"the palette lacks {did_you_mean(missing, palette)}: name every light and reflectance of the system, for "
@@ -246,7 +254,9 @@ def _most_reflected(tail: Tail, palette: Palette) -> Spectrum:
 
 def _known(name: str, palette: Palette) -> Spectrum:
     """A reflectance; of a material that no pixel shows it may be anything, of an alternative it is zero."""
-    return palette[name] if name in palette else np.full(len(palette.bands), 0.0 if ">" in name else 1.0)
+    if name in palette:
+        return palette[name]
+    return np.full(len(palette.bands), 0.0 if Symbol.of(name).alternative else 1.0)
 
 
 def preview(

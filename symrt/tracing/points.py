@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from symrt.arrays import dot
 from symrt.reflection.symbols import VIEW
 from symrt.scene.lights import Answering, Illumination
+from symrt.symbols import Surface
 from symrt.tracing.factors import factors
 from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
@@ -51,7 +52,8 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
     # The points of each material, and again for each of its alternatives.
     found = []
     for material, (hit, weight) in sorted(_shares(stage, effects, view).items()):
-        for name in (material, *(f"{material}>{other}" for other in stage.alternatives.get(material, ()))):
+        others = [Surface(other, instead_of=material) for other in stage.alternatives.get(material, ())]
+        for name in (material, *map(str, others)):
             model = stage.materials[name].model
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
 

@@ -14,6 +14,7 @@ from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene
+from symrt.symbols import Surface
 from symrt.tracing.raytree import LightRecord, MaterialRecord
 
 Alternatives = Mapping[str, Sequence[str]]
@@ -101,7 +102,12 @@ def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ..
     """
     sending = {m.name for m in scene.materials if via in m.reflection.sending}
     used = [m.name for m in scene.materials if m.name in scene.used_materials]
-    others = (f"{name}>{other}" for name in used for other in alternatives.get(name, ()) if other in sending)
+    others = (
+        str(Surface(other, instead_of=name))
+        for name in used
+        for other in alternatives.get(name, ())
+        if other in sending
+    )
     return (*(name for name in used if name in sending), *others)
 
 
@@ -109,7 +115,7 @@ def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, .
     formulas = sorted({via for material in scene.materials for via in material.reflection.sending})
     found: dict[str, tuple[str, ...]] = {}
     for via in formulas:
-        for place in dict.fromkeys(name.partition(">")[0] for name in senders(scene, alternatives, via)):
+        for place in dict.fromkeys(Surface.of(name).place for name in senders(scene, alternatives, via)):
             found[place] = (*found.get(place, ()), via)
     return found
 
@@ -140,7 +146,8 @@ def _numbered(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
 
 def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRecord]:
     named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
-    return named | {f"{m}>{other}": named[other] for m, others in alternatives.items() for other in others}
+    pairs = [(name, other) for name, others in alternatives.items() for other in others]
+    return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}
 
 
 def _nearest(shapes: tuple[object, ...], place: np.ndarray) -> float:

@@ -134,3 +134,16 @@ def test_maps_and_reports_do_not_see_names():
     assert said[0].verdicts[0].inside == said[1].verdicts[0].inside < 1
     ice, (kept, bay) = said[0].verdicts[0].materials["ice"], (said[1].verdicts[0].materials[n] for n in ("ice", "bay"))
     assert min(kept, bay) <= ice <= max(kept, bay)
+
+
+def test_a_region_keeps_the_spectra_of_its_alternatives_and_of_no_one_else_s():
+    # sea>ice.diffuse is met at points of the sea, brass>sea.diffuse at points of the brass: only the first is renamed.
+    image = rt.LinearSystem.of("0.5*sun*sea.diffuse + 0.25*sun*sea>ice.diffuse + 0.125*sun*brass>sea.diffuse")
+    spectra = {"sea.diffuse": 0.5, "sea>ice.diffuse": 0.25, "brass>sea.diffuse": 0.125, "sun": 1.0}
+    colours = rt.Palette(rt.RGB, spectra)
+    bay = rt.split(image, "sea", np.array([[True]]), "bay")
+    assert [str(i) for i in bay.interactions] == ["sun*bay.diffuse", "sun*bay>ice.diffuse", "sun*brass>sea.diffuse"]
+    wide = rt.with_region(colours, "sea", "bay")
+    assert set(wide) - set(colours) == {"bay.diffuse", "bay>ice.diffuse"}
+    # 0.5 * 0.5 + 0.25 * 0.25 + 0.125 * 0.125, exact in binary.
+    assert rt.shade(bay, wide).values.tolist() == rt.shade(image, colours).values.tolist() == [[[0.328125] * 3]]

@@ -6,7 +6,7 @@ from feedback.synthetic import BANDS, palette, system
 from scipy import sparse
 
 from symrt.device.inks import load_device
-from symrt.feedback.parameters import Blend, Exposure, Scale, material_of
+from symrt.feedback.parameters import Blend, Exposure, Scale
 from symrt.feedback.ranges import feasible
 from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
@@ -14,6 +14,7 @@ from symrt.gamut.gamuts import device_gamut
 from symrt.show.tables import feasible_record
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
+from symrt.symbols import Symbol
 from symrt.system import Interaction, LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
@@ -29,7 +30,7 @@ def scaled(colours, name, factor):
     The white is the key light's: a brighter key against a white that is not brighter is what the exposure gives.
     """
     lights = {"exposure": ["key", "fill"]}.get(name, [name])
-    symbols = [s for s in colours if s in lights or (material_of(s) == name and name not in ("key", "fill"))]
+    symbols = [s for s in colours if s in lights or (Symbol.of(s).material == name and name not in ("key", "fill"))]
     moved = Palette(BANDS, {s: colours[s] * (factor if s in symbols else 1) for s in colours}, unphysical=True)
     return moved, Reference("key", exposure=factor if "key" in symbols else 1.0)
 
@@ -51,7 +52,7 @@ def differences(image, colours, gamut, parameter, name, **options):
 
 def held_against_differences(image, colours, gamut, parameter, **options):
     found = feasible(image, colours, gamut, parameter, reference=Reference("key"), cap=False, **options)
-    names = {"key", "fill", "exposure", *(material_of(s) for s in colours if material_of(s))}
+    names = {"key", "fill", "exposure", *(Symbol.of(s).material for s in colours if s not in ("key", "fill"))}
     compared = 0
     for name in sorted(names):
         expected = differences(image, colours, gamut, parameter, name, **options)

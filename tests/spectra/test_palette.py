@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from symrt.spectra.bands import RGB, coordinates, wavelengths
-from symrt.spectra.palette import Palette, is_reflectance
+from symrt.spectra.palette import Palette
 
 BANDS = wavelengths(380, 730, 10)
 
@@ -64,8 +64,6 @@ def test_a_dot_makes_a_reflectance():
     palette = make_palette().add({"sea>ice.diffuse": 0.9})
     assert palette.lights == ("sun", "sky")
     assert palette.reflectances == ("sea.diffuse", "sea>ice.diffuse")
-    assert is_reflectance("brass.mirror")
-    assert not is_reflectance("sun")
 
 
 def test_the_permission_to_pass_one_is_explicit_and_carried_along():
