@@ -13,6 +13,7 @@ from jaxtyping import Int
 
 from symrt.arrays import PerRay, Point
 from symrt.errors import hinting
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.mesh import rotation, transformed
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
@@ -161,6 +162,18 @@ def surface_box(box: Box, rays: Rays, distance: PerRay, primitive: Int[np.ndarra
     extent = np.stack([(right * size).sum(axis=0), (up * size).sum(axis=0)])
     found = surface(box.mesh, rays, distance, primitive)
     return replace(found, uv=np.clip(found.uv, 0.0, 1.0), extent=extent)
+
+
+@bounds.register(Box)
+def bounds_box(box: Box) -> Corners:
+    """The box, along the axes, around one that is turned.
+
+    Examples
+    --------
+    >>> bounds_box(Box((0, 1, 0), (2, 2, 2), "white")).tolist()
+    [[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]]
+    """
+    return bounds(box.mesh)
 
 
 @translate.register(Box)

@@ -1,8 +1,8 @@
-"""A bounding-volume hierarchy in arrays: which triangles a ray may meet (step 1).
+"""A bounding-volume hierarchy in arrays: which of many boxes, of triangles or of shapes, a ray may meet (step 1).
 
-Triangles are sorted into a binary tree by median splits along the longest side of each node, all nodes of a level at
+Boxes are sorted into a binary tree by median splits along the longest side of each node, all nodes of a level at
 once; a ray then walks down three levels at a time, through eight children.  A box is tested by slabs, with room for
-rounding, so the hierarchy only ever leaves out triangles that the ray cannot meet.
+rounding, so the hierarchy only ever leaves out what the ray cannot meet.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from symrt.arrays import PerRay
 from symrt.geometry.rays import ROUNDING, Rays
 
 LEAF = 4
-"""Triangles in a leaf."""
+"""Boxes in a leaf."""
 
 WAYS = 8
 """Children of a node."""
@@ -28,44 +28,55 @@ class Tree:
     Parameters
     ----------
     order
-        The triangle in each slot of the leaves, −1 in slots left over.
+        The number of the box in each slot of the leaves, −1 in slots left over.
     boxes
         For each level its nodes' boxes: low corner, then high corner; left-over nodes are nan, which no ray meets.
     reach
         Size of the largest coordinate.
+    each
+        The box in each slot, nan in slots left over, where it pays to test them too: what they hold costs more.
     """
 
     order: Int[np.ndarray, " slot"]
     boxes: tuple[Float[np.ndarray, "2 3 _"], ...]
     reach: float
+    each: Float[np.ndarray, "2 3 slot"] | None = None
 
 
-def build(corners: Float[np.ndarray, "3 3 face"]) -> Tree:
-    """The hierarchy of triangles given by their corners (corner, axis, face).
+def build(low: Float[np.ndarray, "3 box"], high: Float[np.ndarray, "3 box"], *, dear: bool = False) -> Tree:
+    """The hierarchy of boxes given by their low and high corners, all of them finite.
+
+    Parameters
+    ----------
+    dear
+        Whether what a box holds costs more to ask about than the box does.
 
     Examples
     --------
-    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
-    >>> build(corners).order.tolist()
+    >>> build(low=np.zeros((3, 1)), high=np.ones((3, 1))).order.tolist()
     [0, -1, -1, -1]
     """
-    count = corners.shape[2]
+    # Slots for eight children a node; those left over hold a box that is inside out.
+    count = low.shape[1]
     depth = 0
     while LEAF * WAYS**depth < count:
         depth += 1
     slots = LEAF * WAYS**depth
     box = np.full((2, 3, slots), np.inf)
     box[1] = -np.inf
-    box[0, :, :count], box[1, :, :count] = corners.min(axis=0), corners.max(axis=0)
+    box[0, :, :count], box[1, :, :count] = low, high
+
+    # Each level's boxes hold those of its children.
     order = _sorted(box, count, 3 * depth)
-    reach = float(np.abs(corners).max())
+    reach = float(max(np.abs(low).max(), np.abs(high).max()))
     box = box[:, :, order]
     boxes = []
     for level in range(depth + 1):
         grouped = box.reshape(2, 3, WAYS**level, -1)
         joined = np.stack([grouped[0].min(axis=2), grouped[1].max(axis=2)])
         boxes.append(np.where(joined[0] <= joined[1], joined, np.nan))
-    return Tree(np.where(order < count, order, -1), tuple(boxes), reach)
+    each = np.where(box[0] <= box[1], box, np.nan) if dear else None
+    return Tree(np.where(order < count, order, -1), tuple(boxes), reach, each)
 
 
 def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[np.ndarray, " slot"]:
@@ -89,18 +100,18 @@ def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[
 def candidates(
     tree: Tree, rays: Rays, low: PerRay, high: PerRay
 ) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
-    """Pairs of a ray and a triangle that may meet at a distance from `low` to `high`.
+    """Pairs of a ray and a box, by number, that may meet at a distance from `low` to `high`.
 
     Examples
     --------
-    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
+    >>> tree = build(low=np.zeros((3, 1)), high=np.ones((3, 1)))
     >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
-    >>> candidates(build(corners), ray, np.array([0.0]), np.array([np.inf]))
+    >>> candidates(tree, ray, np.array([0.0]), np.array([np.inf]))
     (array([0]), array([0]))
     """
     # A direction of 0 would make 0·∞ on a box's own face; a tiny one decides the same way without it.
     inverse = 1 / np.where(rays.direction == 0, 1e-290, rays.direction)
-    # Boxes are widened by what rounding may move the ray aside in the triangle's own test.
+    # Boxes are widened by what rounding may move the ray aside in the test of what is inside.
     room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
     path = _Path(rays.origin + room, rays.origin - room, inverse, low, high)
     # All rays against each of a few boxes need no indexing, which is dearer than the test itself.
@@ -112,9 +123,13 @@ def candidates(
         node = (node[:, None] * WAYS + np.arange(WAYS)).ravel()
         keep = _meets(box.take(node, axis=2), _Path(*(values.take(ray, axis=-1) for values in path)))
         ray, node = ray[keep], node[keep]
-    triangle = tree.order[(node[:, None] * LEAF + np.arange(LEAF)).ravel()]
-    filled = triangle >= 0
-    return np.repeat(ray, LEAF)[filled], triangle[filled]
+    # The leaves' boxes, each by itself if that pays.
+    ray, slot = np.repeat(ray, LEAF), (node[:, None] * LEAF + np.arange(LEAF)).ravel()
+    if tree.each is not None:
+        keep = _meets(tree.each.take(slot, axis=2), _Path(*(values.take(ray, axis=-1) for values in path)))
+        ray, slot = ray[keep], slot[keep]
+    number = tree.order[slot]
+    return ray[number >= 0], number[number >= 0]
 
 
 class _Path(NamedTuple):

@@ -29,6 +29,7 @@ from symrt.arrays import (
     two_sum,
 )
 from symrt.errors import hinting
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.planes import flat_surface, plane_axes
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
@@ -209,6 +210,21 @@ def _outward(out: Float[np.ndarray, "3 ray"], unit: Float[np.ndarray, "3 1"]) ->
     safe = np.where(np.any(out != 0, axis=0), out, plane_axes(unit)[0])
     normal = normalise(safe)
     return normalise(normal - dot(normal, unit) * unit)
+
+
+@bounds.register(Cylinder)
+def bounds_cylinder(cylinder: Cylinder) -> Corners:
+    """The box around the discs at both ends.
+
+    Examples
+    --------
+    >>> bounds_cylinder(Cylinder((0, 0, 0), (0, 1, 0), 0.5, "post")).tolist()
+    [[-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]]
+    """
+    ends = np.array([cylinder.base, cylinder.top], dtype=float)
+    axis = normalise(_axis(cylinder)[0])[:, 0]
+    reach = float(cylinder.radius) * np.sqrt(np.maximum(0.0, 1 - axis**2))
+    return np.stack([ends.min(axis=0) - reach, ends.max(axis=0) + reach])
 
 
 @translate.register(Cylinder)

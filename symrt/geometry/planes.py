@@ -27,6 +27,7 @@ from symrt.arrays import (
     two_sum,
 )
 from symrt.errors import hinting
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, has_direction, moved, positive
 
@@ -227,6 +228,34 @@ def plane_axes(normal: Column) -> tuple[Column, Column]:
 def _plane_coordinates(normal: Column, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
     u, v = plane_axes(normal)
     return np.stack([dot(offset, u), dot(offset, v)])
+
+
+@bounds.register(Plane)
+def bounds_plane(plane: Plane) -> Corners:
+    """All of space, or no more than its height where a plane lies across an axis.
+
+    Examples
+    --------
+    >>> bounds_plane(Plane((0, 2, 0), (0, 1, 0), "floor")).tolist()
+    [[-inf, 2.0, -inf], [inf, 2.0, inf]]
+    """
+    across = np.count_nonzero(plane.normal) == 1
+    low = np.where(np.array(plane.normal, dtype=bool) & across, np.array(plane.point, dtype=float), -np.inf)
+    return np.stack([low, np.where(np.isfinite(low), low, np.inf)])
+
+
+@bounds.register(Disk)
+def bounds_disk(disk: Disk) -> Corners:
+    """The box around a disc.
+
+    Examples
+    --------
+    >>> bounds_disk(Disk((0, 0, 0), (0, 1, 0), 2, "base")).tolist()
+    [[-2.0, 0.0, -2.0], [2.0, 0.0, 2.0]]
+    """
+    centre, normal = np.array(disk.centre, dtype=float), normalise(column(disk.normal))[:, 0]
+    reach = float(disk.radius) * np.sqrt(np.maximum(0.0, 1 - normal**2))
+    return np.stack([centre - reach, centre + reach])
 
 
 @translate.register(Plane)

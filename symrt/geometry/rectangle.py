@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross
 from symrt.errors import hinting
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.planes import Column, bounded, flat_surface
 from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, has_direction, moved
@@ -83,6 +84,20 @@ def surface_rectangle(
     uv = np.clip(_rectangle_coordinates(rectangle, flat.point - centre) + 0.5, 0.0, 1.0)
     edges = [[float(np.linalg.norm(rectangle.edge_u))], [float(np.linalg.norm(rectangle.edge_v))]]
     return replace(flat, uv=uv, extent=np.broadcast_to(edges, uv.shape).copy())
+
+
+@bounds.register(Rectangle)
+def bounds_rectangle(rectangle: Rectangle) -> Corners:
+    """The box around a rectangle.
+
+    Examples
+    --------
+    >>> bounds_rectangle(Rectangle((0, 0, 0), (20, 0, 0), (0, 0, -20), "floor")).tolist()
+    [[-10.0, 0.0, -10.0], [10.0, 0.0, 10.0]]
+    """
+    centre = np.array(rectangle.centre, dtype=float)
+    reach = (np.abs(rectangle.edge_u) + np.abs(rectangle.edge_v)) / 2
+    return np.stack([centre - reach, centre + reach])
 
 
 @translate.register(Rectangle)

@@ -33,6 +33,7 @@ from symrt.arrays import (
     two_sum,
 )
 from symrt.errors import hinting
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
@@ -192,6 +193,19 @@ def _geographic(sphere: Sphere, normal: Float[np.ndarray, "3 ray"]) -> Float[np.
     u = np.arctan2(y, x) / (2 * np.pi) + 0.5
     v = np.arctan2(np.hypot(x, y), up) / np.pi
     return np.stack([np.where(u >= 1, 0.0, u), v])
+
+
+@bounds.register(Sphere)
+def bounds_sphere(sphere: Sphere) -> Corners:
+    """The cube around a sphere.
+
+    Examples
+    --------
+    >>> bounds_sphere(Sphere((0, 0, 0), 1, "red")).tolist()
+    [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]
+    """
+    centre = np.array(sphere.centre, dtype=float)
+    return np.stack([centre - sphere.radius, centre + sphere.radius])
 
 
 @translate.register(Sphere)

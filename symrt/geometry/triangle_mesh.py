@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from symrt.arrays import PerRay, Point, dot, exact, pair_dot, two_sum
 from symrt.geometry import bvh, embree, triangles
+from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.rays import (
     BLOCK,
     ROUNDING,
@@ -96,7 +97,7 @@ class TriangleMesh:
     @cached_property
     def tree(self) -> bvh.Tree:
         """The hierarchy over the triangles."""
-        return bvh.build(self.corners)
+        return bvh.build(self.corners.min(axis=0), self.corners.max(axis=0))
 
     @cached_property
     def thickened(self) -> embree.Thickened | None:
@@ -229,6 +230,19 @@ def surface_mesh(mesh: TriangleMesh, rays: Rays, distance: PerRay, primitive: In
         uv = at[:, 0] * weights[0] + at[:, 1] * weights[1] + at[:, 2] * weights[2]
     error = 8 * ROUNDING * (np.abs(point).sum(axis=0) + np.abs(corner).max(axis=0).sum(axis=0))
     return Surface(point, normal, shading, uv, np.ones((2, len(rays))), error)
+
+
+@bounds.register(TriangleMesh)
+def bounds_mesh(mesh: TriangleMesh) -> Corners:
+    """The box around all vertices.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
+    >>> bounds_mesh(TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))).tolist()
+    [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]
+    """
+    return np.stack([mesh.vertices.min(axis=1), mesh.vertices.max(axis=1)])
 
 
 @translate.register(TriangleMesh)
