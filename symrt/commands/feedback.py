@@ -37,7 +37,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
-    from symrt.show import tables  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show import records, tables  # noqa: PLC0415  # slow, and --help does not need it
 
     # Options that exclude each other, and files that cannot be written, are refused before any work.
     alone: dict[str, object] = {"--plot": plot, "--allowed-out": allowed_out, "--of": of, "--weights": weights}
@@ -56,7 +56,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     if together:
         scales = [scale_of(word) for word in parameter]
         box = rt.safe_box(system, spectra, gamut, scales, **(options | {"within": within or (0.01, 3.0)}))
-        say(json_text(tables.box_record(box)) if as_json else repr(box))
+        say(json_text(records.box_record(box)) if as_json else repr(box))
         return
     options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
 
@@ -65,7 +65,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         ranges = options | {"within": (within, within)}
         pairs = rt.joint_region(system, spectra, gamut, asked[0], asked[1], **ranges)
         draw(region, "joint_region_figure", pairs, system, spectra, seen)
-        say(json_text(tables.region_record(pairs)) if as_json else repr(pairs))
+        say(json_text(records.region_record(pairs)) if as_json else repr(pairs))
         return
     options |= {"weights": weights_of(weights, system)}
 
@@ -75,7 +75,7 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
         draw(curve, "curve_figure", found[0])
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, gamut, seen)
-    answers = [tables.feasible_record(one) for one in found]
+    answers = [records.feasible_record(one) for one in found]
     say(json_text(answers) if as_json else tables.ranges_text(found))
 
 
@@ -97,7 +97,7 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
-    from symrt.show.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import fit_record  # noqa: PLC0415  # slow, and --help does not need it
     from symrt.spectra.palettes_file import check_palettes_free  # noqa: PLC0415
 
     # Files that cannot be written are refused before any work.
@@ -141,7 +141,7 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
     """
-    from symrt.show.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
 
     # Files that cannot be written are refused before any work.
     _check_files(question, out, plot)
@@ -179,7 +179,7 @@ def map_pixels(  # a command names its options
 
     Example: symrt map-pixels globe --palette macbeth --towards neutral --smoothness 2 --out moved.png
     """
-    from symrt.show.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
 
     _check_files(question, out, plot)
     gamut, seen = question.gamut, question.seen

@@ -98,7 +98,8 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
 
 
 def _facts(found: "SavedGamut", plot: Path | None) -> tuple[dict[str, Any], str]:
-    from symrt.show.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import gamut_facts  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import gamut_table  # noqa: PLC0415
 
     if plot is not None:
         draw(plot, "body_figure", found)
@@ -115,9 +116,10 @@ def _segments(
     components: tuple[int, int, int],
     plot: Path | None,
 ) -> tuple[dict[str, Any], str]:
-    from symrt.show.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
+    from symrt.show.records import segments_record  # noqa: PLC0415  # slow, as above
+    from symrt.show.segments import diffuse_materials, segments_of  # noqa: PLC0415
     from symrt.show.study import materials  # noqa: PLC0415
-    from symrt.show.tables import segments_record, segments_table  # noqa: PLC0415
+    from symrt.show.tables import segments_table  # noqa: PLC0415
     from symrt.spectra.reference import key_light  # noqa: PLC0415
 
     light = reference or key_light(system, spectra)
