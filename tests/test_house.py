@@ -34,7 +34,7 @@ def test_every_public_function_shows_an_example():
 
 
 def test_importing_symrt_and_its_command_line_pays_for_nothing_slow():
-    heavy = ["sympy", "trimesh", "colour", "matplotlib", "scipy.optimize", "pydantic"]
+    heavy = ["numba", "sympy", "trimesh", "colour", "matplotlib", "scipy.optimize", "pydantic"]
     ask = f"import sys, symrt, symrt.cli; print(*(name for name in {heavy} if name in sys.modules))"
     answer = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True, cwd=HOME)
     assert answer.stdout.split() == []

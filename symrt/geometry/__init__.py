@@ -2,6 +2,7 @@
 
 from symrt.geometry.box import Box
 from symrt.geometry.cylinder import Cylinder
+from symrt.geometry.meeting import nearest, occluded, surfaces
 from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import LabelImage, WeightImage, load_texture
 from symrt.geometry.planes import Disk, Plane
@@ -13,11 +14,8 @@ from symrt.geometry.rays import (
     clearance,
     encloses,
     intersect,
-    nearest,
-    occluded,
     spawn,
     surface,
-    surfaces,
     translate,
 )
 from symrt.geometry.records import Triple

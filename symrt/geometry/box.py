@@ -15,7 +15,7 @@ from symrt.arrays import PerRay, Point
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.mesh import rotation, transformed
-from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
 from symrt.geometry.triangle_mesh import TriangleMesh
 
@@ -130,6 +130,11 @@ class Box:
             face_material=self.face_material,
             uv=np.tile([[0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 0.0]], len(FACES)),
         )
+
+    @property
+    def kernel(self) -> Kernel:
+        """Its compiled form, that of its walls."""
+        return self.mesh.kernel
 
 
 @intersect.register(Box)

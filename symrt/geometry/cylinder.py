@@ -7,6 +7,7 @@ that with a slab: intervals of the ray are intersected, so that no ray slips thr
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -30,8 +31,19 @@ from symrt.arrays import (
 )
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
-from symrt.geometry.planes import flat_surface, plane_axes
-from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.flats import Flat, flat_surface, plane_axes
+from symrt.geometry.rays import (
+    ROUNDING,
+    Crossing,
+    Kernel,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    surface,
+    translate,
+)
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
 SIDE, BASE, TOP = 0, 1, 2
@@ -64,7 +76,36 @@ class Cylinder:
         positive("cylinder", radius=self.radius)
         if tuple(self.base) == tuple(self.top):
             raise ValueError(f"cylinder: base and top are both {self.base}: they must differ")
-        positive("cylinder", height=float(length(_axis(self)[0])[0]))
+        positive("cylinder", height=self.height)
+
+    @cached_property
+    def axis(self) -> Pair:
+        """From the base's centre to the top's, in pairs."""
+        return two_sum(column(self.top), -column(self.base))
+
+    @cached_property
+    def height(self) -> float:
+        """The length of the axis."""
+        return float(length(self.axis[0])[0])
+
+    @cached_property
+    def squared_radius(self) -> Pair:
+        """The square of the radius, as a pair."""
+        return two_product(np.array([self.radius], float), np.array([self.radius], float))
+
+    @cached_property
+    def reach(self) -> float:
+        """A little more than the distance of its rims from its middle."""
+        return 1.001 * float(np.hypot(self.height / 2, float(self.radius)))
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form."""
+        ends, axis = (*self.base, *self.top), (*self.axis[0][:, 0], *self.axis[1][:, 0])
+        squares = (*self.squared_radius, *pair_dot(self.axis, self.axis))
+        plain = (self.height, 1.001 * float(self.radius), self.reach)
+        constants = [*ends, *axis, *plain, *(part[0] for part in squares), self.capped]
+        return Kernel("symrt.geometry.fast.quadrics", "cylinder", (tuple(map(float, constants)),))
 
 
 @intersect.register(Cylinder)
@@ -113,28 +154,23 @@ def _open(side: Interval, slab: tuple[PerRay, PerRay, PerRay], low: float) -> tu
 
 def _possible(cylinder: Cylinder, rays: Rays) -> Bool[np.ndarray, " ray"]:
     """Rays that may meet the cylinder, by plain arithmetic: near its axis, and near its middle."""
-    axis, radius = _axis(cylinder)[0], float(cylinder.radius)
+    axis, radius, height = cylinder.axis[0], float(cylinder.radius), cylinder.height
     m, d = rays.origin - column(cylinder.base), rays.direction
-    height, size = float(length(axis)[0]), np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2])
+    size = np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2])
     x, y, z = (d[i] * axis[j] - d[j] * axis[i] for i, j in ((1, 2), (2, 0), (0, 1)))
     passing = np.abs(m[0] * x + m[1] * y + m[2] * z)
     chosen = passing <= 1.001 * radius * np.sqrt(x * x + y * y + z * z) + 64 * ROUNDING * size * height
-    reach = 1.001 * float(np.hypot(height / 2, radius))
     near = np.flatnonzero(chosen)
     m, d = m.take(near, axis=1) - axis / 2, d.take(near, axis=1)
     x, y, z = (m[i] * d[j] - m[j] * d[i] for i, j in ((1, 2), (2, 0), (0, 1)))
-    chosen[near] = x * x + y * y + z * z <= (reach + 32 * ROUNDING * (size[near] + height)) ** 2
+    chosen[near] = x * x + y * y + z * z <= (cylinder.reach + 32 * ROUNDING * (size[near] + height)) ** 2
     return chosen
-
-
-def _axis(cylinder: Cylinder) -> Pair:
-    return two_sum(column(cylinder.top), -column(cylinder.base))
 
 
 def _side(cylinder: Cylinder, rays: Rays) -> Interval:
     """Where each line enters and leaves the endless cylinder; enter > leave where it misses."""
-    axis, m, d = _axis(cylinder), two_sum(rays.origin, -column(cylinder.base)), exact(rays.direction)
-    squared_radius = two_product(np.array([cylinder.radius], float), np.array([cylinder.radius], float))
+    axis, m, d = cylinder.axis, two_sum(rays.origin, -column(cylinder.base)), exact(rays.direction)
+    squared_radius = cylinder.squared_radius
     across, out, squared_axis = pair_cross(d, axis), pair_cross(m, axis), pair_dot(axis, axis)
     a, b = pair_dot(across, across), pair_dot(out, across)[0]
     c = pair_sum(pair_dot(out, out), negative(pair_product(squared_radius, squared_axis)))[0]
@@ -154,7 +190,7 @@ def _side(cylinder: Cylinder, rays: Rays) -> Interval:
 
 def _slab(cylinder: Cylinder, rays: Rays) -> tuple[PerRay, PerRay, PerRay]:
     """Where each line enters and leaves the slab between the planes of base and top, and its slope along the axis."""
-    axis = _axis(cylinder)
+    axis = cylinder.axis
     slope = pair_dot(exact(rays.direction), axis)[0]
     above_base, above_top = (pair_dot(two_sum(rays.origin, -column(p)), axis)[0] for p in (cylinder.base, cylinder.top))
     to_base, to_top = -above_base / slope, -above_top / slope
@@ -176,10 +212,10 @@ def surface_cylinder(cylinder: Cylinder, rays: Rays, distance: PerRay, primitive
     >>> found.normal.T, found.uv.T
     (array([[1., 0., 0.]]), array([[0.  , 0.25]]))
     """
-    axis = _axis(cylinder)[0]
+    axis = cylinder.axis[0]
     side = _side_surface(cylinder, axis, rays, distance)
-    base = flat_surface(column(cylinder.base), -axis, rays, distance)
-    top = flat_surface(column(cylinder.top), axis, rays, distance)
+    base = flat_surface(Flat(column(cylinder.base), -axis), rays, distance)
+    top = flat_surface(Flat(column(cylinder.top), axis), rays, distance)
     return Surface(
         *(
             np.where(primitive == SIDE, s, np.where(primitive == BASE, b, t))
@@ -222,7 +258,7 @@ def bounds_cylinder(cylinder: Cylinder) -> Corners:
     [[-0.5, 0.0, -0.5], [0.5, 1.0, 0.5]]
     """
     ends = np.array([cylinder.base, cylinder.top], dtype=float)
-    axis = normalise(_axis(cylinder)[0])[:, 0]
+    axis = normalise(cylinder.axis[0])[:, 0]
     reach = float(cylinder.radius) * np.sqrt(np.maximum(0.0, 1 - axis**2))
     return np.stack([ends.min(axis=0) - reach, ends.max(axis=0) + reach])
 
@@ -272,7 +308,7 @@ def clearance_cylinder(cylinder: Cylinder, point: Point) -> float:
 
 def _cylindrical(cylinder: Cylinder, point: Point) -> tuple[float, float, float]:
     """Height above the base, distance from the axis, and the height of the cylinder."""
-    axis = _axis(cylinder)[0]
+    axis = cylinder.axis[0]
     unit, offset = normalise(axis), point.reshape(3, 1) - column(cylinder.base)
     along = dot(offset, unit)
     return float(along[0]), float(length(offset - along * unit)[0]), float(length(axis)[0])

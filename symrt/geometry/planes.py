@@ -1,37 +1,23 @@
-"""Planes and disks (step 1), and what all flat shapes share: ``n · (origin + t direction − point) = 0``.
-
-At grazing incidence both dot products cancel; they are compensated, which leaves at most 2 ulp in the distance.
+"""Planes and disks (step 1).
 
 Surface coordinates of planes and disks are scene units (extent 1) from the shape's point, along two axes that form a
 right-handed frame with the normal n: the u axis is a × n, normalised, with a = (1, 0, 0) where |n_z| is the largest
 component (or shares that place) and a = (0, 0, 1) otherwise; the v axis is n × u.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Int
 
-from symrt.arrays import (
-    PerRay,
-    Point,
-    Vectors,
-    dot,
-    exact,
-    length,
-    normalise,
-    pair_dot,
-    pair_quotient,
-    two_sum,
-)
+from symrt.arrays import PerRay, Point, dot, length, normalise
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
-from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
-from symrt.geometry.records import LARGEST, Triple, column, finite, has_direction, moved, positive
-
-Column = Float[np.ndarray, "3 1"]
+from symrt.geometry.flats import ENDLESS, ROUND, Flat, bounded, flat_surface
+from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.records import Triple, column, finite, has_direction, moved, positive
 
 
 @hinting
@@ -53,6 +39,16 @@ class Plane:
     def __post_init__(self) -> None:
         finite("plane", point=self.point, normal=self.normal)
         has_direction("plane", normal=self.normal)
+
+    @cached_property
+    def flat(self) -> Flat:
+        """The plane made ready for rays."""
+        return Flat(column(self.point), column(self.normal))
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form."""
+        return self.flat.kernel(ENDLESS)
 
 
 @hinting
@@ -77,6 +73,16 @@ class Disk:
         has_direction("disk", normal=self.normal)
         positive("disk", radius=self.radius)
 
+    @cached_property
+    def flat(self) -> Flat:
+        """The plane that it lies in, made ready for rays."""
+        return Flat(column(self.centre), column(self.normal), float(self.radius))
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form."""
+        return self.flat.kernel(ROUND, float(self.radius) ** 2)
+
 
 @intersect.register(Plane)
 def intersect_plane(plane: Plane, rays: Rays, low: float = 0.0) -> Crossing:
@@ -88,7 +94,7 @@ def intersect_plane(plane: Plane, rays: Rays, low: float = 0.0) -> Crossing:
     >>> intersect_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray).distance
     array([2.5])
     """
-    return bounded(column(plane.point), column(plane.normal), rays, low, np.inf, None)
+    return bounded(plane.flat, rays, low)
 
 
 @intersect.register(Disk)
@@ -101,68 +107,8 @@ def intersect_disk(disk: Disk, rays: Rays, low: float = 0.0) -> Crossing:
     >>> intersect_disk(Disk((0, 0, 0), (0, 1, 0), 1.0, "base"), ray).distance
     array([inf])
     """
-    radius = float(disk.radius)
-    return bounded(column(disk.centre), column(disk.normal), rays, low, radius, lambda m: dot(m, m) <= radius**2)
-
-
-def plane_distance(point: Column, normal: Column, rays: Rays) -> PerRay:
-    """Signed distance along each ray to a plane, within 2 ulp; nan or infinite where it is parallel.
-
-    To an oblique plane a ray within 2⁻⁵¹ of parallel is parallel: a unit normal, rounded, does not know the side such
-    a ray goes to, and a fresh ray could meet the plane it leaves.
-
-    Examples
-    --------
-    >>> ray = Rays(origin=np.array([[0.0], [2.0], [0.0]]), direction=np.array([[0.6], [-0.8], [0.0]]))
-    >>> plane_distance(np.zeros((3, 1)), np.array([[0.0], [1.0], [0.0]]), ray)
-    array([2.5])
-    """
-    if _is_axis(normal):
-        k = int(np.argmax(np.abs(normal)))
-        return (point[k] - rays.origin[k]) / rays.direction[k]
-    height = pair_dot(two_sum(rays.origin, -point), exact(normal))
-    slope = pair_dot(exact(rays.direction), exact(normal))
-    return np.where(np.abs(slope[0]) > 4 * ROUNDING * length(normal), -pair_quotient(height, slope), np.inf)
-
-
-def bounded(
-    point: Column, normal: Column, rays: Rays, low: float, reach: float, inside: Callable[[Vectors], np.ndarray] | None
-) -> Crossing:
-    """Crossing with the part of a plane where `inside`, told the offset from `point`, holds: within `reach` of it."""
-    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
-    with np.errstate(all="ignore"):
-        if _is_axis(normal):
-            found = plane_distance(point, normal, rays)
-            chosen = np.flatnonzero((found > low) & (found <= LARGEST))
-            found = found[chosen]
-        else:
-            chosen = np.flatnonzero(_possible(point, normal, rays, reach))
-            found = plane_distance(point, normal, rays[chosen])
-            ahead = (found > low) & (found <= LARGEST)
-            chosen, found = chosen[ahead], found[ahead]
-        if inside is not None:
-            met = inside((rays.origin.take(chosen, axis=1) - point) + found * rays.direction.take(chosen, axis=1))
-            chosen, found = chosen[met], found[met]
-    distance[chosen] = found
-    primitive[chosen] = 0
-    return Crossing(distance, primitive)
-
-
-def _is_axis(normal: Column) -> bool:
-    """Whether the normal is along an axis: its dot products are single products, and need no care."""
-    return int(np.count_nonzero(normal)) == 1
-
-
-def _possible(point: Column, normal: Column, rays: Rays, reach: float) -> Bool[np.ndarray, " ray"]:
-    """Rays that may meet the plane ahead within `reach` of `point`: plain arithmetic with room for its rounding."""
-    offset = rays.origin - point
-    slope = dot(rays.direction, normal)
-    rough = -dot(offset, normal) / slope
-    x, y, z = (offset[i] + rough * rays.direction[i] for i in range(3))
-    # Where the slope keeps six digits or more, so do the plain distance and position.
-    room = 1e-8 * (np.abs(offset[0]) + np.abs(offset[1]) + np.abs(offset[2]) + np.abs(rough))
-    near = (rough >= -room) & (x * x + y * y + z * z <= (1.001 * reach + room) ** 2)
-    return near | (np.abs(slope) <= 1e-6 * length(normal))
+    squared_radius = float(disk.radius) ** 2
+    return bounded(disk.flat, rays, low, lambda m: dot(m, m) <= squared_radius)
 
 
 @surface.register(Plane)
@@ -175,7 +121,7 @@ def surface_plane(plane: Plane, rays: Rays, distance: PerRay, primitive: Int[np.
     >>> surface_plane(Plane((0, 0, 0), (0, 1, 0), "floor"), ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T.tolist()
     [[0.0, 3.0]]
     """
-    return flat_surface(column(plane.point), column(plane.normal), rays, distance)
+    return flat_surface(plane.flat, rays, distance)
 
 
 @surface.register(Disk)
@@ -188,46 +134,7 @@ def surface_disk(disk: Disk, rays: Rays, distance: PerRay, primitive: Int[np.nda
     >>> surface_disk(Disk((0, 0, 0), (0, 2, 0), 4, "base"), ray, np.array([2.0]), np.zeros(1, np.int32)).normal.T
     array([[0., 1., 0.]])
     """
-    return flat_surface(column(disk.centre), column(disk.normal), rays, distance)
-
-
-def flat_surface(point: Column, normal: Column, rays: Rays, distance: PerRay) -> Surface:
-    """Surface of the plane through `point` where rays meet it, refined onto the plane by an exact residual.
-
-    Examples
-    --------
-    >>> ray = Rays(origin=np.array([[0.0], [2.0], [3.0]]), direction=np.array([[0.0], [-1.0], [0.0]]))
-    >>> flat_surface(np.zeros((3, 1)), np.array([[0.0], [1.0], [0.0]]), ray, np.array([2.0])).point.T
-    array([[0., 0., 3.]])
-    """
-    met = rays.origin + distance * rays.direction
-    height = pair_dot(two_sum(met, -point), exact(normal))[0]
-    met = met - height / dot(normal, normal) * normal
-    unit = np.broadcast_to(normalise(normal), met.shape).copy()
-    error = 4 * ROUNDING * (np.abs(met).sum(axis=0) + np.abs(point).sum())
-    return Surface(met, unit, unit, _plane_coordinates(normal, met - point), np.ones((2, len(rays))), error)
-
-
-def plane_axes(normal: Column) -> tuple[Column, Column]:
-    """The u and v axes of a plane, as the module's docstring defines them.
-
-    Examples
-    --------
-    On a floor u runs to −x and v to +z:
-
-    >>> u, v = plane_axes(np.array([[0.0], [1.0], [0.0]]))
-    >>> bool(np.all(u.T == [[-1, 0, 0]])), bool(np.all(v.T == [[0, 0, 1]]))
-    (True, True)
-    """
-    unit = normalise(normal)
-    away = [[1.0], [0.0], [0.0]] if np.abs(unit[2, 0]) == np.abs(unit).max() else [[0.0], [0.0], [1.0]]
-    u = normalise(np.cross(np.array(away), unit, axis=0))
-    return u, np.cross(unit, u, axis=0)
-
-
-def _plane_coordinates(normal: Column, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
-    u, v = plane_axes(normal)
-    return np.stack([dot(offset, u), dot(offset, v)])
+    return flat_surface(disk.flat, rays, distance)
 
 
 @bounds.register(Plane)

@@ -1,16 +1,15 @@
-"""Rays, what they meet first, and how they start again from a surface (step 1): ``p(t) = origin + t direction``.
+"""Rays, what a shape answers about them, and how they start again from it (step 1): ``p(t) = origin + t direction``.
 
 `intersect`, `surface`, `translate`, `encloses` and `clearance` are singledispatch functions; each family of shapes
 registers its own beside its record.  No result depends on the other rays of a batch, so tiles may be cut anywhere.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, pair_dot
 from symrt.geometry.records import LARGEST
@@ -25,6 +24,12 @@ ROUNDING = 2.0**-53
 class Rays:
     """Half lines with unit directions, one a column.
 
+    Parameters
+    ----------
+    left
+        Of the shapes that the rays will be asked about, the index of one that each ray is leaving for good, so that it
+        need not be asked about that, or −1; see `spawn`.
+
     Raises
     ------
     ValueError
@@ -38,6 +43,7 @@ class Rays:
 
     origin: Vectors
     direction: Vectors
+    left: Int[np.ndarray, " ray"] | None = None
 
     def __post_init__(self) -> None:
         # Comparisons with nan are false, so that nan is refused as well.
@@ -58,9 +64,13 @@ class Rays:
         """The rays chosen by a slice, a mask or indices; they have been checked."""
         part = object.__new__(Rays)
         for name, values in (("origin", self.origin), ("direction", self.direction)):
-            # take is several times faster than an index array in brackets.
-            picked = values[:, chosen] if isinstance(chosen, slice) else values.take(_indices(chosen), axis=1)
+            # take is several times faster than an index array in brackets; whole rows are what kernels take.
+            if isinstance(chosen, slice):
+                picked = np.ascontiguousarray(values[:, chosen])
+            else:
+                picked = values.take(_indices(chosen), axis=1)
             object.__setattr__(part, name, picked)
+        object.__setattr__(part, "left", None if self.left is None else self.left[chosen])
         return part
 
 
@@ -198,76 +208,13 @@ def clearance(shape: object, point: Point) -> float:  # noqa: ARG001
     raise _unknown(shape)
 
 
-def nearest(shapes: Sequence[Any], rays: Rays) -> Hits:
-    """The nearest crossing of each ray with any shape; of two at the same distance the first in the list.
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """The compiled form of a shape's `intersect`: a function of a module of kernels, and the shape's constants."""
 
-    Examples
-    --------
-    >>> from symrt.geometry import Sphere
-    >>> near, far = Sphere((0, 0, -3), 1, "red"), Sphere((0, 0, -9), 1, "blue")
-    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
-    >>> nearest([far, near], ray).shape
-    array([1], dtype=int32)
-    """
-    count = len(rays)
-    found = Hits(np.full(count, np.inf), np.full(count, -1, np.int32), np.full(count, -1, np.int32))
-    for start in range(0, count, BLOCK):
-        block = slice(start, start + BLOCK)
-        part = rays[block]
-        for index, shape in enumerate(shapes):
-            crossing = intersect(shape, part)
-            closer = crossing.distance < found.distance[block]
-            found.distance[block][closer] = crossing.distance[closer]
-            found.primitive[block][closer] = crossing.primitive[closer]
-            found.shape[block][closer] = index
-    return found
-
-
-def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarray, " ray"]:
-    """Whether anything stands between the start of each ray and the distance `limit`, both ends excluded.
-
-    Examples
-    --------
-    >>> from symrt.geometry import Sphere
-    >>> ball = Sphere((0, 0, -3), 1, "red")
-    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
-    >>> occluded([ball], ray, limit=np.array([1.5])), occluded([ball], ray, limit=np.array([np.inf]))
-    (array([False]), array([ True]))
-    """
-    blocked = np.zeros(len(rays), bool)
-    for start in range(0, len(rays), BLOCK):
-        chosen = np.arange(start, min(start + BLOCK, len(rays)))
-        part = rays[start : start + BLOCK]
-        for shape in shapes:
-            hidden = intersect(shape, part).distance < limit[chosen]
-            blocked[chosen[hidden]] = True
-            # Copying the rays that are left pays once enough of them are done with.
-            if np.count_nonzero(hidden) * 8 > hidden.size:
-                chosen, part = chosen[~hidden], part[~hidden]
-    return blocked
-
-
-def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
-    """The surface each ray meets, whatever shape it belongs to; zeros for a ray that meets none.
-
-    Examples
-    --------
-    >>> from symrt.geometry import Plane, Sphere
-    >>> scene = [Sphere((0, 0, -3), 1, "red"), Plane((0, -1, 0), (0, 1, 0), "grey")]
-    >>> rays = Rays(np.zeros((3, 2)), np.array([[0.0, 0.0], [0.0, -1.0], [-1.0, 0.0]]))
-    >>> surfaces(scene, rays, nearest(scene, rays)).point.T.tolist()
-    [[0.0, 0.0, -2.0], [0.0, -1.0, 0.0]]
-    """
-    count = len(rays)
-    point, normal, shading, uv, extent = (np.zeros((rows, count)) for rows in (3, 3, 3, 2, 2))
-    whole = Surface(point, normal, shading, uv, extent, np.zeros(count))
-    for index, shape in enumerate(shapes):
-        chosen = np.flatnonzero(hits.shape == index)
-        if chosen.size:
-            part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
-            for name in (f.name for f in fields(Surface)):
-                getattr(whole, name)[..., chosen] = getattr(part, name)
-    return whole
+    room: str
+    name: str
+    constants: tuple[Any, ...]
 
 
 def spawn(

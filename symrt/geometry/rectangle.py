@@ -1,6 +1,7 @@
 """Rectangles (step 1): a part of a plane, with coordinates along its edges."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -9,8 +10,8 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, pair_cross
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
-from symrt.geometry.planes import Column, bounded, flat_surface
-from symrt.geometry.rays import Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.flats import CORNERED, Column, Flat, bounded, flat_surface
+from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
 from symrt.geometry.records import Triple, column, finite, has_direction, moved
 
 
@@ -43,6 +44,31 @@ class Rectangle:
                 f"rectangle: edge_u = {self.edge_u} and edge_v = {self.edge_v}: they must be perpendicular"
             )
 
+    @cached_property
+    def flat(self) -> Flat:
+        """The plane that it lies in, made ready for rays."""
+        reach = float(np.hypot(*self.lengths[:, 0]))
+        normal = pair_cross(exact(column(self.edge_u)), exact(column(self.edge_v)))[0]
+        return Flat(column(self.centre), normal, reach)
+
+    @cached_property
+    def lengths(self) -> Float[np.ndarray, "2 1"]:
+        """The lengths of its edges."""
+        return np.array([[float(np.linalg.norm(self.edge_u))], [float(np.linalg.norm(self.edge_v))]])
+
+    @cached_property
+    def shares(self) -> tuple[Column, Column, PerRay, PerRay]:
+        """Vectors whose products with an offset from the centre, over two numbers, are its shares of the edges."""
+        u, v, normal = column(self.edge_u), column(self.edge_v), self.flat.normal
+        for_u, for_v = np.cross(v, normal, axis=0), np.cross(normal, u, axis=0)
+        return for_u, for_v, dot(u, for_u), dot(v, for_v)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form."""
+        for_u, for_v, whole_u, whole_v = self.shares
+        return self.flat.kernel(CORNERED, *for_u[:, 0], *for_v[:, 0], whole_u[0], whole_v[0])
+
 
 @intersect.register(Rectangle)
 def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> Crossing:
@@ -59,8 +85,7 @@ def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> C
         u, v = np.abs(_rectangle_coordinates(rectangle, m))
         return (u <= 0.5) & (v <= 0.5)
 
-    reach = float(np.hypot(np.linalg.norm(rectangle.edge_u), np.linalg.norm(rectangle.edge_v)))
-    return bounded(column(rectangle.centre), _rectangle_normal(rectangle), rays, low, reach, inside)
+    return bounded(rectangle.flat, rays, low, inside)
 
 
 @surface.register(Rectangle)
@@ -79,11 +104,9 @@ def surface_rectangle(
     >>> surface_rectangle(floor, ray, np.array([2.0]), np.zeros(1, np.int32)).uv.T
     array([[0.5 , 0.25]])
     """
-    centre = column(rectangle.centre)
-    flat = flat_surface(centre, _rectangle_normal(rectangle), rays, distance)
-    uv = np.clip(_rectangle_coordinates(rectangle, flat.point - centre) + 0.5, 0.0, 1.0)
-    edges = [[float(np.linalg.norm(rectangle.edge_u))], [float(np.linalg.norm(rectangle.edge_v))]]
-    return replace(flat, uv=uv, extent=np.broadcast_to(edges, uv.shape).copy())
+    flat = flat_surface(rectangle.flat, rays, distance)
+    uv = np.clip(_rectangle_coordinates(rectangle, flat.point - rectangle.flat.point) + 0.5, 0.0, 1.0)
+    return replace(flat, uv=uv, extent=np.broadcast_to(rectangle.lengths, uv.shape).copy())
 
 
 @bounds.register(Rectangle)
@@ -138,12 +161,7 @@ def clearance_rectangle(rectangle: Rectangle, point: Point) -> float:
     return float(length(offset - u * column(rectangle.edge_u) - v * column(rectangle.edge_v))[0])
 
 
-def _rectangle_normal(rectangle: Rectangle) -> Column:
-    return pair_cross(exact(column(rectangle.edge_u)), exact(column(rectangle.edge_v)))[0]
-
-
 def _rectangle_coordinates(rectangle: Rectangle, offset: Vectors) -> Float[np.ndarray, "2 ray"]:
     """Shares of the two edges in an offset from the centre, from −½ to ½ inside."""
-    u, v, normal = column(rectangle.edge_u), column(rectangle.edge_v), _rectangle_normal(rectangle)
-    for_u, for_v = np.cross(v, normal, axis=0), np.cross(normal, u, axis=0)
-    return np.stack([dot(offset, for_u) / dot(u, for_u), dot(offset, for_v) / dot(v, for_v)])
+    for_u, for_v, whole_u, whole_v = rectangle.shares
+    return np.stack([dot(offset, for_u) / whole_u, dot(offset, for_v) / whole_v])

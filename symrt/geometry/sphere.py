@@ -12,6 +12,7 @@ References
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -34,7 +35,18 @@ from symrt.arrays import (
 )
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
-from symrt.geometry.rays import ROUNDING, Crossing, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import (
+    ROUNDING,
+    Crossing,
+    Kernel,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    surface,
+    translate,
+)
 from symrt.geometry.records import Triple, column, finite, moved, positive
 
 
@@ -67,6 +79,18 @@ class Sphere:
             raise ValueError(
                 f"sphere: pole = {self.pole} and meridian = {self.meridian}: they must not be zero or parallel"
             )
+
+    @cached_property
+    def squared_radius(self) -> Pair:
+        """The square of the radius, as a pair."""
+        return two_product(np.array([self.radius], float), np.array([self.radius], float))
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form."""
+        radius, (high, low) = float(self.radius), self.squared_radius
+        constants = [*self.centre, radius, radius**2, high[0], low[0], self.radius * (1 + 1e-9)]
+        return Kernel("symrt.geometry.fast.quadrics", "sphere", (tuple(map(float, constants)),))
 
 
 @intersect.register(Sphere)
@@ -126,7 +150,7 @@ def _plain(
 def _careful(sphere: Sphere, rays: Rays) -> tuple[PerRay, PerRay]:
     """Both crossings in pairs of floats; nan where a ray misses, or leaves the sphere behind."""
     m, d = two_sum(rays.origin, -column(sphere.centre)), exact(rays.direction)
-    squared_radius = two_product(np.array([sphere.radius], float), np.array([sphere.radius], float))
+    squared_radius = sphere.squared_radius
     c = pair_sum(pair_dot(m, m), negative(squared_radius))[0]
     enter, leave = np.full((2, len(rays)), np.nan)
     # A ray that starts outside and goes outwards is done: this is every shadow ray of the sphere's own.

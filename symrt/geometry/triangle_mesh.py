@@ -14,6 +14,7 @@ from symrt.geometry.rays import (
     BLOCK,
     ROUNDING,
     Crossing,
+    Kernel,
     Rays,
     Surface,
     clearance,
@@ -103,6 +104,15 @@ class TriangleMesh:
     def thickened(self) -> embree.Thickened | None:
         """The mesh in Embree, where that is installed and worth it."""
         return embree.thicken(self.vertices, self.faces)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Its compiled form, which needs no Embree: triangle by triangle, and the boxes of all levels in one array."""
+        boxes = np.concatenate([level.reshape(6, -1).T for level in self.tree.boxes])
+        corners, normals = self.corners.transpose(2, 0, 1), self.unit_normals.T
+        arrays = (self.tree.order, np.ascontiguousarray(boxes), self.tree.reach)
+        constants = (*arrays, np.ascontiguousarray(corners), np.ascontiguousarray(normals))
+        return Kernel("symrt.geometry.fast.triangles", "mesh", constants)
 
     @cached_property
     def is_closed(self) -> bool:

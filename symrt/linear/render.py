@@ -18,7 +18,7 @@ from jaxtyping import Int
 from threadpoolctl import threadpool_limits
 from tqdm.auto import tqdm
 
-from symrt import __version__
+from symrt import __version__, fast
 from symrt.errors import require
 from symrt.linear.collapse import run
 from symrt.linear.matrix import stack_rows
@@ -119,7 +119,7 @@ def _each(
     elif workers == 1:
         yield from map(task, windows)
     else:
-        with ThreadPoolExecutor(workers) as threads:
+        with ThreadPoolExecutor(workers, initializer=fast.adopt, initargs=(fast.wanted(),)) as threads:
             yield from threads.map(task, windows)
 
 

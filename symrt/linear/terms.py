@@ -14,7 +14,7 @@ from symrt.symbols import Surface, named
 from symrt.tracing.raytree import Branch, Lit, Points, RayTree
 
 DEEPEST = 65
-"""Most levels of a tree whose pixels are written in letters: each nests in the one before, and printing recurses."""
+"""Levels of a tree whose pixels are written in letters: each is nested in the one before, and printing recurses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Letters:
     places: dict[tuple[str, str], str] = field(default_factory=dict)
 
     def letter(self, stem: str, place: str, value: float) -> Factor:
-        """Name the factor `stem` at `place`, such as ``n_dot_l`` at ``sun_2``, and keep its value."""
+        """The factor `stem` at `place`, ``n_dot_l`` at ``sun_2``, whose value is kept."""
         name = self.places.get((stem, place))
         if name is None:
             name = f"{stem}_{place}" if place else stem
@@ -38,7 +38,7 @@ class Letters:
 
 @dataclass(frozen=True)
 class Place:
-    """The place of a letter in a tree: the film sample, the number of rays to it, and the branches they took.
+    """Where in a tree a letter belongs: the film sample, how many rays deep, and by which branches.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Place:
 
 
 def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, float]]:
-    """The radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
+    """Radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
     if len(tree.levels) > DEEPEST:
         raise ValueError(
             f"{len(tree.levels) - 1} bounces are too many for one formula in letters, at most {DEEPEST - 1} nest; "
@@ -87,10 +87,8 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
 
 
 def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.Expr:
-    """The radiance from a hit: that of each of its materials, and that which lights send by themselves."""
+    """What comes from a hit: by each of its materials, and what lights send by themselves."""
     level = tree.levels[place.depth]
-
-    # Each material with its share, where the hit has several.
     total = []
     for points in level.points:
         for point in np.flatnonzero(points.hit == hit):
@@ -98,8 +96,6 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
             name = f"{surface.place}_{surface.material}" if surface.alternative else surface.material
             share = letters.letter(f"weight_{name}", str(place), weight) if weight != 1 else 1
             total.append(share * _sent(tree, points, int(point), place, letters))
-
-    # Lights that shine from the hit.
     total += [
         Light(emitted.light) * letters.letter("radiance", str(place), emitted.radiance[k])
         for emitted in level.emitted
@@ -109,8 +105,7 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
 
 
 def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:
-    """The radiance that one material sends to the viewer from one point."""
-    # Components and parameters of the material, and the factors that depend on the viewer only.
+    """What one material sends to the viewer from one point."""
     bound = _bindings(tree, points)
     view = {Factor(k): letters.letter(k, str(place), values[point]) for k, values in points.view.items()}
     formulas = tree.materials[points.material].model.formulas
@@ -122,7 +117,7 @@ def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Lett
         for light, factor, at_light in _arriving(tree, points, lit, point, place, letters)
     ]
 
-    # The radiance that further rays bring.
+    # What further rays bring.
     for mark, branch, ray, below in _rays(tree, place.depth, int(points.hit[point])):
         formula = formulas[branch.via]
         if formula != 0:
@@ -143,8 +138,6 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
         return []
     branches = tree.levels[depth + 1].branches
     alone = len(branches) == 1 and np.unique(branches[0].parent).size == branches[0].size
-
-    # A mark is the first letter of the formula; branches and rays that would share one are numbered.
     found, first = [], 0
     for k, branch in enumerate(branches):
         like = [other for other in branches if other.via[0] == branch.via[0]]
@@ -155,7 +148,6 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
         for which, ray in enumerate(rays, start=1):
             several = f"{mark}{which}" if len(rays) > 1 else mark
             found.append(("" if alone else several, branch, ray, first + ray))
-        # Hits of the level below are numbered along its branches.
         first += branch.size
     return found
 
@@ -163,7 +155,7 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
 def _arriving(
     tree: RayTree, points: Points, lit: Lit, point: int, place: Place, letters: Letters
 ) -> list[tuple[Light, sympy.Expr, dict[sympy.Expr, sympy.Expr]]]:
-    """The light, the share of it that arrives, and its cosines; empty where it is behind the surface."""
+    """The light, what of it arrives, and its cosines; nothing where it is behind the surface."""
     found = np.flatnonzero(lit.point == point)
     if not found.size:
         return []
@@ -177,7 +169,6 @@ def _arriving(
     numbered = f"l{[other is lit for other in samples].index(True) + 1}" if len(samples) > 1 else ""
     where = "_".join(part for part in (lit.light if several else "", numbered, str(place)) if part)
 
-    # An irradiance of exactly 1 is not written; visibility is always a letter where shadows are simulated.
     arriving = sympy.Integer(1)
     if lit.irradiance[k] != 1:
         arriving *= letters.letter("irradiance", where, lit.irradiance[k])
@@ -194,6 +185,6 @@ def _bindings(tree: RayTree, points: Points) -> dict[sympy.Expr, sympy.Expr]:
 
 
 def number(value: float) -> sympy.Expr:
-    """A float as a SymPy number of the same value, whole ones as integers: 60, not 60.0."""
+    """A float as SymPy's own, whole ones as integers: 60, not 60.0; the value is the same."""
     value = float(value)
     return sympy.Integer(int(value)) if value.is_integer() else sympy.Float(value)

@@ -1,4 +1,4 @@
-"""The demo's results before they are drawn: steps 1 to 5 of the paper on one scene, rendered once."""
+"""Everything that the demo finds out before it draws: steps 1 to 5 of the paper on one scene, rendered once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,27 +25,25 @@ FITS: dict[str, dict[str, Any]] = {
     "figure-3a-black": {"objective": "darkest", "black": "luminance"},
     "figure-3b": {"objective": "lightest", "black": "clip"},
 }
-"""The fits of the paper's Figure 3; its darkest picture also with the device's black respected."""
+"""The paper's Figure 3; its darkest picture also with the device's black respected."""
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The results of all five steps for one scene.
+    """What one scene answers.
 
     Parameters
     ----------
     palettes
-        The palette in RGB, then the one in wavelengths.
+        The one in RGB, then the one in wavelengths.
     images
-        The same system shaded with each palette.
+        The same system shaded with each.
     ranges
         Feasible ranges, one parameter at a time, without the physical cap.
     fits
-        Fits of all scales at once, by the name of the figure that shows them.
+        Several scales at once, by the name of the figure that shows them.
     pixel
-        Column and row of the pixel whose formula is shown.
-    before, after
-        Its formula before and after the collapse.
+        Column and row of the pixel whose formula is shown, before and after the collapse.
     """
 
     system: LinearSystem
@@ -65,20 +63,18 @@ class Study:
 
 
 def study(scene: Scene, palettes: Mapping[str, Palette], progress: bool = True) -> Study:
-    """Render a scene once, shade it, and find its ranges, fits and formulas.
+    """Render a scene once, and ask everything.
 
     Parameters
     ----------
     palettes
-        The scene's palettes, of which the first in RGB and the first in wavelengths are used.
+        The first one in RGB and the first one in wavelengths are used.
     progress
-        True to show a bar on standard error after a second.
+        Whether a bar is shown on standard error once it has taken a second.
     """
     chosen = _two_palettes(palettes)
     spectral = list(chosen.values())[1]
     gamut = device_gamut(load_device(DEVICE, spectral.bands), "envelope")
-
-    # Steps 1 to 3 once, then each question of step 5.
     with tqdm(total=4, desc="demo", unit="step", delay=1, leave=False, disable=not progress) as bar:
         system = render(scene, progress=progress)
         bar.update()
@@ -91,15 +87,13 @@ def study(scene: Scene, palettes: Mapping[str, Palette], progress: bool = True) 
             name: fit(system, spectral, gamut, scales, within=WITHIN, cap=False, **ask) for name, ask in FITS.items()
         }
         bar.update()
-
-    # One pixel's formula.
     x, y = telling_pixel(system)
     before, after = formula(scene, x, y), formula(system, x, y)
     return Study(system, chosen, gamut, images, ranges, fits, (x, y), before, after)
 
 
 def materials(system: LinearSystem) -> tuple[str, ...]:
-    """Names of the materials that some pixel depends on.
+    """The materials that some pixel depends on.
 
     Examples
     --------
@@ -136,7 +130,6 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
 
 
 def _two_palettes(palettes: Mapping[str, Palette]) -> dict[str, Palette]:
-    """The first palette in RGB and the first in wavelengths."""
     kinds = ("rgb", "wavelength")
     found = [next((name for name, p in palettes.items() if p.bands.kind == kind), None) for kind in kinds]
     if None in found:
@@ -148,7 +141,7 @@ def _two_palettes(palettes: Mapping[str, Palette]) -> dict[str, Palette]:
 
 
 def _parameters(system: LinearSystem, palette: Palette) -> list[Scale | Blend]:
-    """The scale of every material and light, and one blend: of the two most unlike spectra of one model."""
+    """Every material's and light's scale, and one blend: of the two unlike spectra of one model, dark to light."""
     names = materials(system)
     lights = [name for name in system.symbols if name in system.lights]
     diffuse = {name: palette[s] for name in names if (s := named(name, "diffuse")) in palette}

@@ -16,7 +16,8 @@ import numpy as np
 
 from symrt.errors import require
 from symrt.geometry.box import Box
-from symrt.geometry.rays import Rays, nearest, surfaces
+from symrt.geometry.meeting import nearest, surfaces
+from symrt.geometry.rays import Rays
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from geometry.both import intersect, nearest
 from geometry.oracles import digits, directions, rational, rays, ulps
 
-from symrt.geometry import Box, clearance, encloses, intersect, nearest, spawn, surfaces, translate
+from symrt.geometry import Box, clearance, encloses, spawn, surfaces, translate
 
 TURNS = [(0, 0, 0), (20, 30, 40), (45, 0, 0), (0, 0, 1e-7), (90, 180, 270)]
 

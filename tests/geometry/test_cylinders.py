@@ -3,9 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
+from geometry.both import intersect, nearest
 from geometry.oracles import across, digits, directions, inner, minus, outer, rational, rays, ulps
 
-from symrt.geometry import Cylinder, clearance, encloses, intersect, nearest, surfaces
+from symrt.geometry import Cylinder, clearance, encloses, surfaces
 
 DRAWS = [2_000, pytest.param(100_000, marks=pytest.mark.exhaustive)]
 RAYS = 50

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from geometry.both import intersect, nearest
 from geometry.oracles import digits, directions, inner, minus, outer, rational, rays, ulps
 from geometry.shapes import from_trimesh, icosphere, random_mesh, star, torus
 
-from symrt.geometry import TriangleMesh, clearance, encloses, intersect, nearest, surfaces, translate, triangles
+from symrt.geometry import TriangleMesh, clearance, encloses, surfaces, translate, triangles
 
 needs_embree = pytest.mark.skipif(importlib.util.find_spec("embreex") is None, reason="embreex is not installed")
 WAYS = ["hierarchy", pytest.param("embree", marks=needs_embree)]

@@ -6,23 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from geometry.both import intersect, nearest, occluded
 from geometry.oracles import directions, inner, rational, rays
 from geometry.shapes import gallery, icosphere, random_mesh
 
-from symrt.geometry import (
-    Cylinder,
-    Disk,
-    Plane,
-    Rays,
-    Rectangle,
-    Sphere,
-    intersect,
-    nearest,
-    occluded,
-    spawn,
-    surfaces,
-    translate,
-)
+from symrt.geometry import Cylinder, Disk, Plane, Rays, Rectangle, Sphere, spawn, surfaces, translate
 
 DRAWS = [(40, 50), pytest.param((1000, 1000), marks=pytest.mark.exhaustive)]
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from geometry.both import intersect, nearest
 from geometry.oracles import across, digits, directions, inner, minus, rational, rays, sphere_distance, ulps
 
-from symrt.geometry import Sphere, clearance, encloses, intersect, nearest, surfaces, translate
+from symrt.geometry import Sphere, clearance, encloses, surfaces, translate
 
 DRAWS = [2_000, pytest.param(100_000, marks=pytest.mark.exhaustive)]
 RAYS = 50

@@ -8,7 +8,8 @@ from collections import Counter
 import numpy as np
 
 from symrt.arrays import Vectors
-from symrt.geometry.rays import occluded, spawn
+from symrt.geometry.meeting import occluded
+from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import Call, Effect, PerHit
 from symrt.tracing.stage import Alternatives, Stage

@@ -1,0 +1,160 @@
+"""What rays meet first among many shapes, and whether they meet anything (step 1)."""
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from symrt import fast
+from symrt.arrays import PerRay, Vectors
+from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, surface
+
+
+def meet(
+    shape: Any,
+    index: int,
+    rays: Rays,
+    hits: Hits,
+    *,
+    which: Int[np.ndarray, " chosen"] | None = None,
+    low: float = 0.0,
+    any_hit: bool = False,
+) -> None:
+    """Write the crossings with a shape into `hits`, where they are nearer than what is there.
+
+    Compiled where that pays, to the same bits (`symrt.fast`).
+
+    Parameters
+    ----------
+    index
+        What the shape is called in `hits`.
+    which
+        The rays that are asked; all of them if not given.
+    any_hit
+        Whether one crossing is as good as another: then a ray that has one need not be asked again.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> ray = Rays(origin=np.array([[0.0], [0.0], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> hits = no_hits(1)
+    >>> meet(Sphere((0, 0, 0), 1, "red"), 7, ray, hits)
+    >>> hits.distance, hits.shape
+    (array([2.]), array([7], dtype=int32))
+    """
+    part = rays if which is None else rays[which]
+    into = hits if which is None else Hits(hits.distance[which], hits.shape[which], hits.primitive[which])
+    undecided = _meet_compiled(shape, index, part, into, low, any_hit)
+    if undecided is None or undecided.size:
+        chosen = slice(None) if undecided is None else undecided
+        crossing = intersect(shape, part if undecided is None else part[undecided], low)
+        closer = crossing.distance < into.distance[chosen]
+        there = np.flatnonzero(closer) if undecided is None else undecided[closer]
+        into.distance[there], into.shape[there] = crossing.distance[closer], index
+        into.primitive[there] = crossing.primitive[closer]
+    if which is not None:
+        hits.distance[which], hits.shape[which], hits.primitive[which] = into.distance, into.shape, into.primitive
+
+
+def _meet_compiled(
+    shape: Any, index: int, rays: Rays, hits: Hits, low: float, any_hit: bool
+) -> Int[np.ndarray, " ray"] | None:
+    """Let the shape's kernel do it, and name the rays that it cannot decide; None where NumPy is to do it all."""
+    kernel: Kernel | None = getattr(shape, "kernel", None)
+    kernels = kernel and fast.kernels(kernel.room, len(rays))
+    if not (kernel and kernels and rays.origin.dtype == rays.direction.dtype == hits.distance.dtype == np.float64):
+        return None
+    left = np.full(len(rays), -1, np.int32) if rays.left is None else rays.left
+    doubtful = np.empty(len(rays), np.int64)
+    asked = (_ready(rays.origin), _ready(rays.direction), left, low, any_hit, index)
+    answered = (hits.distance, hits.shape, hits.primitive, doubtful)
+    return doubtful[: getattr(kernels, kernel.name)(*kernel.constants, *asked, *answered)]
+
+
+def _ready(values: Vectors) -> Vectors:
+    """The same vectors as kernels take them: row by row, in memory that may be written."""
+    fit = values.flags.c_contiguous and values.flags.writeable
+    return values if fit else np.array(values, order="C")
+
+
+def no_hits(count: int) -> Hits:
+    """Hits of rays that have met nothing yet.
+
+    Examples
+    --------
+    >>> no_hits(2).distance
+    array([inf, inf])
+    """
+    return Hits(np.full(count, np.inf), np.full(count, -1, np.int32), np.full(count, -1, np.int32))
+
+
+def nearest(shapes: Sequence[Any], rays: Rays) -> Hits:
+    """The nearest crossing of each ray with any shape; of two at the same distance the first in the list.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> near, far = Sphere((0, 0, -3), 1, "red"), Sphere((0, 0, -9), 1, "blue")
+    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> nearest([far, near], ray).shape
+    array([1], dtype=int32)
+    """
+    found = no_hits(len(rays))
+    for start in range(0, len(rays), BLOCK):
+        block = slice(start, start + BLOCK)
+        part, hits = rays[block], Hits(found.distance[block], found.shape[block], found.primitive[block])
+        for index, shape in enumerate(shapes):
+            meet(shape, index, part, hits)
+    return found
+
+
+def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarray, " ray"]:
+    """Whether anything stands between the start of each ray and the distance `limit`, both ends excluded.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> ball = Sphere((0, 0, -3), 1, "red")
+    >>> ray = Rays(origin=np.zeros((3, 1)), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> occluded([ball], ray, limit=np.array([1.5])), occluded([ball], ray, limit=np.array([np.inf]))
+    (array([False]), array([ True]))
+    """
+    blocked = np.zeros(len(rays), bool)
+    for start in range(0, len(rays), BLOCK):
+        chosen = np.arange(start, min(start + BLOCK, len(rays)))
+        part, hits = rays[start : start + BLOCK], replace(no_hits(chosen.size), distance=limit[chosen])
+        for index, shape in enumerate(shapes):
+            meet(shape, index, part, hits, any_hit=True)
+            hidden = hits.shape >= 0
+            # Copying the rays that are left pays once enough of them are done with.
+            if np.count_nonzero(hidden) * 8 > hidden.size:
+                blocked[chosen[hidden]] = True
+                chosen, part = chosen[~hidden], part[~hidden]
+                hits = replace(no_hits(chosen.size), distance=limit[chosen])
+        blocked[chosen[hits.shape >= 0]] = True
+    return blocked
+
+
+def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
+    """The surface each ray meets, whatever shape it belongs to; zeros for a ray that meets none.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Plane, Sphere
+    >>> scene = [Sphere((0, 0, -3), 1, "red"), Plane((0, -1, 0), (0, 1, 0), "grey")]
+    >>> rays = Rays(np.zeros((3, 2)), np.array([[0.0, 0.0], [0.0, -1.0], [-1.0, 0.0]]))
+    >>> surfaces(scene, rays, nearest(scene, rays)).point.T.tolist()
+    [[0.0, 0.0, -2.0], [0.0, -1.0, 0.0]]
+    """
+    count = len(rays)
+    point, normal, shading, uv, extent = (np.zeros((rows, count)) for rows in (3, 3, 3, 2, 2))
+    whole = Surface(point, normal, shading, uv, extent, np.zeros(count))
+    for index, shape in enumerate(shapes):
+        chosen = np.flatnonzero(hits.shape == index)
+        if chosen.size:
+            part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
+            for name in (f.name for f in fields(Surface)):
+                getattr(whole, name)[..., chosen] = getattr(part, name)
+    return whole
