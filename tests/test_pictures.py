@@ -201,15 +201,15 @@ def test_a_light_of_ones_own_looks_as_a_scalar_tracer_sees_it(tmp_path):
 
     def narrowed(light):
         def at(point):
-            found = light(point)
-            return found._replace(irradiance=found.irradiance * max(0.0, found.direction[1]) ** 8)
+            (found,) = light(point)
+            return [found._replace(irradiance=found.irradiance * max(0.0, found.direction[1]) ** 8)]
 
         return at
 
     plain = reference.load(path)
     plain = plain._replace(lights=plain.lights | {"lamp": narrowed(plain.lights["lamp"])})
     spectra = reference.load_palette(path, "drawn")
-    expected = [[reference.pixel(plain, spectra, x, y, 24, 17) for x in range(24)] for y in range(17)]
+    expected = reference.picture(plain, spectra, 24, 17)
     ours = rt.load_scene(path)
     ours = replace(
         ours,

@@ -1,6 +1,8 @@
 """The scalar tracer itself: what it says of scenes that can be worked out by hand."""
 
+import ast
 import math
+from pathlib import Path
 
 import pytest
 import reference
@@ -11,12 +13,13 @@ WALL = {"type": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "w
 SUN = {"type": "directional", "direction": [0, 3, -4]}  # its cosine to the wall's normal is 4/5
 
 
-def middle(tmp_path, palette, **scene):
-    """The middle pixel of a small scene."""
+def middle(tmp_path, palette, rules=None, **scene):
+    """The middle pixel of a small scene, with rules that no file can say."""
     path = tmp_path / "scene.toml"
     whole = {"camera": EYE, "shapes": [WALL], "materials": {"wall": {}}, "lights": {"sun": SUN}} | scene
     path.write_text(tomli_w.dumps(whole | {"palettes": {"hand": {"bands": "rgb"} | palette}}))
-    return reference.render(path, "hand", 3, 3)[1][1]
+    plain = reference.load(path)._replace(**(rules or {}))
+    return reference.pixel(plain, reference.load_palette(path, "hand"), 1, 1, 3, 3)
 
 
 def test_a_diffuse_wall_sends_back_its_share_of_the_cosine(tmp_path):
@@ -86,3 +89,61 @@ def test_a_relief_shows_sea_and_land_where_they_are():
     assert at(north=-25, east=135) == {"land": 1.0}  # Australia
     assert at(north=0, east=-140) == {"sea": 1.0}  # the Pacific
     assert at(north=0, east=80) == {"sea": 1.0}  # the Indian Ocean
+
+
+@pytest.mark.parametrize("depth", [0, 1, 5])
+def test_rays_that_a_hit_sends_on_make_a_furnace_a_geometric_series(tmp_path, depth):
+    # The wall of a ball around eye and lamp gives ρ/(π R²) at every hit; two rays of shares 0.2 and 0.7 bring 0.9 of
+    # it again, and a third of no share nothing: Σ K^k of it, and K^(depth + 1) of what lies beyond.
+    def three(_, to_eye):
+        return [reference.Ray("reflected", to_eye, share) for share in (0.2, 0.7, 0.0)]
+
+    seen = middle(
+        tmp_path,
+        {"wall.diffuse": 1.0, "wall.mirror": [0.5, 1.0, 0.0], "lamp": 4 * math.pi, "beyond": [0.0, 0.0, 7.0]},
+        rules={"sending": (three,), "beyond": "beyond"},
+        camera=EYE | {"position": [0, 0, 0], "target": [0, 0, -1]},
+        shapes=[{"type": "sphere", "centre": [0, 0, 0], "radius": 2, "material": "wall"}],
+        materials={"wall": {"model": ["lambert", "mirror"]}},
+        lights={"lamp": {"type": "point", "position": [0, 0, 0]}},
+        depth=depth,
+    )
+    assert seen == pytest.approx([sum((0.9 * m) ** k for k in range(depth + 1)) for m in (0.5, 1.0, 0.0)], rel=1e-14)
+
+
+def test_a_ray_is_multiplied_by_the_formula_it_names(tmp_path):
+    # Straight back from a wall that glows, through a diffuser's formula: 1/π of its share, and one bounce deep only.
+    def back(_, to_eye):
+        return [reference.Ray("direct", to_eye, 0.25), reference.Ray("reflected", to_eye, 1.0)]
+
+    seen = middle(
+        tmp_path,
+        {"wall.diffuse": [0.2, 0.5, 1.0], "ember": 3.0, "cut": 10.0},
+        rules={"sending": (back,), "emitting": (lambda *_: {"ember": 2.0},), "beyond": "cut"},
+        lights={},
+        depth=0,
+    )
+    assert seen == pytest.approx([6 + 10 * 0.25 * x / math.pi for x in (0.2, 0.5, 1.0)], rel=1e-14)
+
+
+def test_samples_of_a_film_count_by_their_weights(tmp_path):
+    # One sample on the wall, and one beside it, where there is nothing.
+    tile = {"type": "rectangle", "centre": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0], "material": "wall"}
+    film = [reference.Sample(1.5, 1.5, 0.375), reference.Sample(0.1, 1.5, 0.625)]
+    seen = middle(
+        tmp_path,
+        {"wall.diffuse": 0.5, "sky": 8.0},
+        rules={"film": lambda *_: film},
+        shapes=[tile],
+        lights={"sky": {"type": "ambient"}},
+    )
+    assert seen == [1.5] * 3
+
+
+def test_nothing_of_symrt_is_in_it():
+    for path in Path(reference.__file__).parent.glob("*.py"):
+        imports = [
+            node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Import | ast.ImportFrom)
+        ]
+        names = [getattr(node, "module", None) or node.names[0].name for node in imports]
+        assert not [name for name in names if name.startswith("symrt")]

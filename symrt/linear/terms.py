@@ -4,6 +4,7 @@ A hit sends on ``Σ weight · (Σ light · irradiance · visible · direct + Σ 
 last sum over the rays that it sends on, each by one formula of its material.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,34 +12,38 @@ import sympy
 
 from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance
 from symrt.symbols import Surface, named
-from symrt.tracing.raytree import Branch, Lit, Points, RayTree
+from symrt.tracing.raytree import Branch, Emitted, Lit, Points, RayTree
 
 DEEPEST = 65
-"""Levels of a tree whose pixels are written in letters: each is nested in the one before, and printing recurses."""
+"""Most levels of a tree whose pixels are written in letters: each nests in the one before, and printing recurses."""
 
 
 @dataclass(frozen=True, eq=False)
 class Letters:
-    """The letters of one pixel's formula and their values; two places never share a letter."""
+    """The letters of one pixel's formula and their values; two places never share a letter.
+
+    The places are kept as they were told, in parts: the light ``sun`` one bounce deep and the light ``sun_2`` at the
+    eye would read alike.
+    """
 
     values: dict[str, float] = field(default_factory=dict)
-    places: dict[tuple[str, str], str] = field(default_factory=dict)
+    places: dict[tuple[str, ...], str] = field(default_factory=dict)
 
-    def letter(self, stem: str, place: str, value: float) -> Factor:
-        """The factor `stem` at `place`, ``n_dot_l`` at ``sun_2``, whose value is kept."""
-        name = self.places.get((stem, place))
+    def letter(self, stem: str, value: float, *place: str) -> Factor:
+        """Name the factor `stem` at a place, such as ``n_dot_l`` at ``sun`` and ``2``, and keep its value."""
+        name = self.places.get((stem, *place))
         if name is None:
-            name = f"{stem}_{place}" if place else stem
+            name = "_".join(part for part in (stem, *place) if part)
             while name in self.values:
                 name += "_"
-            self.places[stem, place] = name
+            self.places[stem, *place] = name
         self.values[name] = float(value)
         return Factor(name)
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a tree a letter belongs: the film sample, how many rays deep, and by which branches.
+    """The place of a letter in a tree: the film sample, the number of rays to it, and the branches they took.
 
     Parameters
     ----------
@@ -61,7 +66,7 @@ class Place:
 
 
 def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, float]]:
-    """Radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
+    """The radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
     if len(tree.levels) > DEEPEST:
         raise ValueError(
             f"{len(tree.levels) - 1} bounces are too many for one formula in letters, at most {DEEPEST - 1} nest; "
@@ -87,27 +92,33 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
 
 
 def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.Expr:
-    """What comes from a hit: by each of its materials, and what lights send by themselves."""
+    """The radiance from a hit: that of each of its materials, and that which lights send by themselves."""
     level = tree.levels[place.depth]
+
+    # Each material with its share, where the hit has several.
     total = []
     for points in level.points:
         for point in np.flatnonzero(points.hit == hit):
             weight, surface = float(points.weight[point]), Surface.of(points.material)
-            name = f"{surface.place}_{surface.material}" if surface.alternative else surface.material
-            share = letters.letter(f"weight_{name}", str(place), weight) if weight != 1 else 1
+            other = surface.material if surface.alternative else ""
+            share = letters.letter("weight", weight, surface.place, other, str(place)) if weight != 1 else 1
             total.append(share * _sent(tree, points, int(point), place, letters))
-    total += [
-        Light(emitted.light) * letters.letter("radiance", str(place), emitted.radiance[k])
-        for emitted in level.emitted
-        for k in np.flatnonzero(emitted.hit == hit)
-    ]
+
+    # Lights that shine from the hit.
+    for emitted in level.emitted:
+        where = (emitted.light if len(level.emitted) > 1 else "", _numbered(emitted, level.emitted), str(place))
+        total += [
+            Light(emitted.light) * letters.letter("radiance", emitted.radiance[k], *where)
+            for k in np.flatnonzero(emitted.hit == hit)
+        ]
     return sympy.Add(*total)
 
 
 def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:
-    """What one material sends to the viewer from one point."""
+    """The radiance that one material sends to the viewer from one point."""
+    # Components and parameters of the material, and the factors that depend on the viewer only.
     bound = _bindings(tree, points)
-    view = {Factor(k): letters.letter(k, str(place), values[point]) for k, values in points.view.items()}
+    view = {Factor(k): letters.letter(k, values[point], str(place)) for k, values in points.view.items()}
     formulas = tree.materials[points.material].model.formulas
 
     # The light that arrives at it.
@@ -117,14 +128,15 @@ def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Lett
         for light, factor, at_light in _arriving(tree, points, lit, point, place, letters)
     ]
 
-    # What further rays bring.
+    # The radiance that further rays bring.
     for mark, branch, ray, below in _rays(tree, place.depth, int(points.hit[point])):
         formula = formulas[branch.via]
         if formula != 0:
             beyond = place.beyond(mark)
-            own = {Factor(k): letters.letter(k, str(beyond), values[ray]) for k, values in branch.factors.items()}
+            # The ray's cosines belong to the hit it leaves from; where it ends a light has cosines of the same names.
+            own = {Factor(k): letters.letter(k, values[ray], "to", str(beyond)) for k, values in branch.factors.items()}
             weight = float(branch.weight[ray])
-            share = letters.letter("weight", str(beyond), weight) if weight != 1 else 1
+            share = letters.letter("weight", weight, "", str(beyond)) if weight != 1 else 1
             total.append(share * formula.xreplace(bound | view | own) * _radiance(tree, below, beyond, letters))
     return sympy.Add(*total)
 
@@ -138,6 +150,8 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
         return []
     branches = tree.levels[depth + 1].branches
     alone = len(branches) == 1 and np.unique(branches[0].parent).size == branches[0].size
+
+    # A mark is the first letter of the formula; branches and rays that would share one are numbered.
     found, first = [], 0
     for k, branch in enumerate(branches):
         like = [other for other in branches if other.via[0] == branch.via[0]]
@@ -146,8 +160,9 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
             mark += str(1 + sum(other.via[0] == mark for other in branches[:k]))
         rays = np.flatnonzero(branch.parent == hit).tolist()
         for which, ray in enumerate(rays, start=1):
-            several = f"{mark}{which}" if len(rays) > 1 else mark
+            several = f"{mark}{'_' if len(like) > 1 else ''}{which}" if len(rays) > 1 else mark
             found.append(("" if alone else several, branch, ray, first + ray))
+        # Hits of the level below are numbered along its branches.
         first += branch.size
     return found
 
@@ -155,7 +170,7 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
 def _arriving(
     tree: RayTree, points: Points, lit: Lit, point: int, place: Place, letters: Letters
 ) -> list[tuple[Light, sympy.Expr, dict[sympy.Expr, sympy.Expr]]]:
-    """The light, what of it arrives, and its cosines; nothing where it is behind the surface."""
+    """The light, the share of it that arrives, and its cosines; empty where it is behind the surface."""
     found = np.flatnonzero(lit.point == point)
     if not found.size:
         return []
@@ -165,17 +180,22 @@ def _arriving(
 
     # A light alone needs no name, and one that reaches the point once no number.
     several = sum(light.via == "direct" for light in tree.lights.values()) > 1
-    samples = [other for other in points.lit if other.light == lit.light]
-    numbered = f"l{[other is lit for other in samples].index(True) + 1}" if len(samples) > 1 else ""
-    where = "_".join(part for part in (lit.light if several else "", numbered, str(place)) if part)
+    where = (lit.light if several else "", _numbered(lit, points.lit), str(place))
 
+    # An irradiance of exactly 1 is not written; visibility is always a letter where shadows are simulated.
     arriving = sympy.Integer(1)
     if lit.irradiance[k] != 1:
-        arriving *= letters.letter("irradiance", where, lit.irradiance[k])
+        arriving *= letters.letter("irradiance", lit.irradiance[k], *where)
     if "shadows" in tree.plan:
-        arriving *= letters.letter("visible", where, lit.visible[k])
-    cosines = {Factor(name): letters.letter(name, where, values[k]) for name, values in lit.factors.items()}
+        arriving *= letters.letter("visible", lit.visible[k], *where)
+    cosines = {Factor(name): letters.letter(name, values[k], *where) for name, values in lit.factors.items()}
     return [(Light(lit.light), arriving, cosines)]
+
+
+def _numbered(one: Lit | Emitted, among: Sequence[Lit] | Sequence[Emitted]) -> str:
+    """The mark ``l2`` of the second of several parts of one light; a part alone has none."""
+    like = [other is one for other in among if other.light == one.light]
+    return f"l{like.index(True) + 1}" if len(like) > 1 else ""
 
 
 def _bindings(tree: RayTree, points: Points) -> dict[sympy.Expr, sympy.Expr]:
@@ -185,6 +205,6 @@ def _bindings(tree: RayTree, points: Points) -> dict[sympy.Expr, sympy.Expr]:
 
 
 def number(value: float) -> sympy.Expr:
-    """A float as SymPy's own, whole ones as integers: 60, not 60.0; the value is the same."""
+    """A float as a SymPy number of the same value, whole ones as integers: 60, not 60.0."""
     value = float(value)
     return sympy.Integer(int(value)) if value.is_integer() else sympy.Float(value)

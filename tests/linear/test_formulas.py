@@ -151,6 +151,21 @@ def test_a_pixel_outside_the_image_is_refused(x, y):
             rt.formula(source, x, y)
 
 
+def test_a_light_that_is_named_like_anothers_bounce_has_letters_of_its_own():
+    # Where the light sun falls one bounce deep would be sun_2, too.
+    lights = [rt.DirectionalLight("sun", (-1, -2, -1)), rt.DirectionalLight("sun_2", (1, -1, -2))]
+    scene = replace(mirrors(model=["lambert", "mirror"], depth=1), lights=lights)
+    tree = rt.trace(scene, window=(8, 12, 16, 17))
+    spectra = {symbol: 0.3 + 0.05 * k for k, symbol in enumerate(scene.symbols)}
+    image = rt.shade(rt.collapse(tree), rt.Palette(rt.RGB, spectra)).values
+    alike = 0
+    for y, x in np.ndindex(5, 8):
+        formula = rt.formula(tree, x, y)
+        alike += "n_dot_l_sun_2_" in formula.values
+        assert formula.evaluate(spectra) == pytest.approx(image[y, x, 0], rel=1e-13)
+    assert alike > 3
+
+
 def test_every_mirror_bounce_has_letters_of_its_own():
     tree = rt.trace(hall_of_mirrors(depth=3))
     formula = rt.formula(tree, 8, 8)

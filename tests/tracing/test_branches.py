@@ -7,7 +7,7 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,52 +15,10 @@ import pytest
 import sympy
 from linear.test_formulas import at_50_digits
 from scenes_for_tests import camera, every_scene, mirrors, small
+from tracing.toys import BACK, EMBER, GLASS, MIRRORED, Twin
 
 import symrt as rt
-from symrt.arrays import normalise
-from symrt.geometry.rays import spawn
 from symrt.tracing import effects
-from symrt.tracing.effects import Call, Effect, Sent
-from symrt.tracing.factors import reflect
-from symrt.tracing.raytree import Emitted
-from symrt.tracing.stage import senders
-
-MIRRORED, BACK = 0.3, 0.7
-"""Shares of the toy glass: along the mirrored view, and straight back to where it is seen from."""
-
-
-def _glass(stage, view, points):
-    """Two rays from each hit of a material that reflects, with fixed shares."""
-    glassy = [part.hit for part in points if "reflected" in stage.materials[part.material].model.sending]
-    hit = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *glassy]))
-    surface, normal, viewer = view.surface, view.normal[:, hit], view.viewer[:, hit]
-    ways = ((reflect(viewer, view.shading_normal[:, hit]), MIRRORED), (viewer, BACK))
-    return tuple(
-        Sent(
-            "reflected",
-            hit,
-            spawn(surface.point[:, hit], normal, surface.error[hit], normalise(direction)),
-            np.full(hit.size, share),
-            state={"bounces": view.state["bounces"][hit] + 1},
-        )
-        for direction, share in ways
-    )
-
-
-def _called(scene, alternatives):
-    return Call(senders(scene, alternatives, "reflected"), without="there is no toy glass", rays="2 a hit")
-
-
-GLASS = Effect("toy glass", _called, onwards=_glass, state={"bounces": 0})
-
-
-def _glow(_stage, view):
-    """Every hit of the camera's sends a little light by itself."""
-    hit = np.arange(view.slot.size)
-    return (Emitted("ember", hit, np.full(hit.size, 0.125)),)
-
-
-EMBER = Effect("embers", lambda *_: Call(("everything",), without=""), emitted=_glow)
 
 
 @pytest.fixture
@@ -157,21 +115,6 @@ def test_light_that_hits_send_by_themselves_is_a_column_of_degree_0(monkeypatch)
     assert "ember*ball.mirror" in map(str, system.interactions)
     y, x = divmod(int(np.flatnonzero(seen)[0]), 8)
     assert "ember*radiance" in rt.formula(tree, x, y).text()
-
-
-@dataclass(frozen=True)
-class Twin:
-    """A light of one's own that reaches every point by two ways."""
-
-    name: str
-    shadows: bool = True
-
-    def samples(self, points):
-        return tuple(
-            replace(one, falloff=one.falloff / 2)
-            for x in (-1.0, 1.0)
-            for one in rt.PointLight(self.name, position=(x, 4, 2)).samples(points)
-        )
 
 
 def test_a_light_may_reach_a_hit_several_times():

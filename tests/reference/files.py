@@ -1,0 +1,103 @@
+"""Scene files and palettes, read directly."""
+
+import importlib
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.lights import directional_light, point_light
+from reference.meshes import mesh
+from reference.records import Scene, Spectrum
+from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
+from reference.textures import banded_relief, checker, label_image, weight_image
+from reference.tracer import mirror_ray
+
+
+def load(path: str | Path) -> Scene:
+    """Read a scene file, which is taken to be right: symrt is the one that checks."""
+    file, folder = tomllib.loads(Path(path).read_text()), Path(path).parent
+    kinds = {"sphere": sphere, "plane": plane, "disk": disk, "rectangle": rectangle, "cylinder": cylinder, "box": box}
+    lights = {"point": point_light, "directional": directional_light}
+    from_file = {"label_image": label_image, "weight_image": weight_image}
+    computed = {"checker": checker, "banded_relief": banded_relief}
+    textures = file.get("textures", {})
+    return Scene(
+        camera=file["camera"],
+        shapes=[mesh(t, folder) if t["type"] == "mesh" else kinds[t["type"]](t) for t in file["shapes"]],
+        lights={name: lights[t["type"]](t) for name, t in file["lights"].items() if t["type"] != "ambient"},
+        ambient=[name for name, t in file["lights"].items() if t["type"] == "ambient"],
+        unshadowed={name for name, t in file["lights"].items() if not t.get("shadows", True)},
+        materials=file["materials"],
+        textures={
+            name: from_file[t["type"]](t, folder) if t["type"] in from_file else computed[t["type"]](t)
+            for name, t in textures.items()
+        },
+        depth=file.get("depth", 4),
+        sending=(mirror_ray,),
+    )
+
+
+def load_palette(path: str | Path, name: str) -> dict[str, Spectrum]:
+    """The spectra of a palette by symbol: numbers, lists, or names of tables in colour-science."""
+    table = tomllib.loads(Path(path).read_text())["palettes"][name]
+    bands = table["bands"]
+    grid = (
+        None
+        if bands == "rgb"
+        else [bands[0] + k * bands[2] for k in range(round((bands[1] - bands[0]) / bands[2]) + 1)]
+    )
+    return {symbol: spectrum(value, grid) for symbol, value in table.items() if symbol != "bands"}
+
+
+def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
+    """Values on a grid of wavelengths in nm; None stands for red, green and blue.
+
+    A table is read at its own wavelengths only: what would have to be interpolated is a `KeyError`.
+
+    Examples
+    --------
+    >>> spectrum(0.5, [400, 500])
+    [0.5, 0.5]
+    """
+    if isinstance(value, int | float):
+        return [float(value)] * (3 if grid is None else len(grid))
+    if isinstance(value, list):
+        return [float(x) for x in value]
+    if isinstance(value, dict):
+        return [value["scale"] * x for x in spectrum(value["spectrum"], grid)]
+    family, name = value.split("/")
+    if family == "illuminant":
+        light = colour_science().SDS_ILLUMINANTS[name]
+        return [x / luminance(light) for x in on_grid(light, grid)]
+    chart = colour_science().SDS_COLOURCHECKERS["BabelColor Average"]
+    # A grey's notation and density may be left out: white is "white 9.5 (.05 D)".
+    (patch,) = (
+        sd
+        for title, sd in chart.items()
+        if name in (title, re.sub(r"( [\d.]+)? \(.*", "", title), title.split(" (")[0])
+    )
+    return on_grid(patch, grid)
+
+
+def colour_science() -> Any:
+    """The library, imported late: it takes a second, and would change how NumPy prints."""
+    with np.printoptions():
+        return importlib.import_module("colour")
+
+
+def on_grid(table: Any, grid: list[float] | None) -> Spectrum:
+    assert grid is not None, "a table of wavelengths has no red, green and blue here"
+    measured = dict(zip(table.wavelengths.tolist(), table.values.tolist(), strict=True))
+    return [measured[nm] for nm in grid]
+
+
+def luminance(light: Any) -> float:
+    """Of an illuminant, against an equal-energy light of constant 1: CIE 1931 2° observer, nm by nm."""
+    observer = colour_science().MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    nm, y = observer.wavelengths, observer.values[:, 1]
+    values = np.interp(nm, light.wavelengths, light.values, left=0, right=0)
+    return math.fsum((values * y).tolist()) / math.fsum(y.tolist())

@@ -1,0 +1,52 @@
+"""Pictures: the camera's rays through the samples of the film, and the mean over each pixel."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from reference.files import load, load_palette
+from reference.records import Sample, Scene, Spectrum, Table
+from reference.tracer import radiance
+from reference.vectors import Vector, add, cross, scale, sub, unit
+
+
+def render(path: str | Path, palette: str, width: int, height: int) -> list[list[Spectrum]]:
+    """A scene file under one of its palettes, as rows of pixels of bands, in a size of one's own."""
+    return picture(load(path), load_palette(path, palette), width, height)
+
+
+def picture(scene: Scene, spectra: Mapping[str, Spectrum], width: int, height: int) -> list[list[Spectrum]]:
+    """A scene under some spectra, as rows of pixels of bands."""
+    return [[pixel(scene, spectra, x, y, width, height) for x in range(width)] for y in range(height)]
+
+
+def pixel(scene: Scene, spectra: Mapping[str, Spectrum], x: int, y: int, width: int, height: int) -> Spectrum:
+    """Radiance of the pixel in column `x` and row `y`, both from 0: the mean over its samples."""
+    samples = scene.film(x, y) if scene.film else regular(x, y, scene.camera.get("samples", 1))
+    total = [0.0] * len(next(iter(spectra.values())))
+    for sample in samples:
+        ray = camera_ray(scene.camera, sample.across / width, sample.down / height, width, height)
+        seen = radiance(scene, spectra, *ray, scene.depth)
+        total = [a + sample.weight * b for a, b in zip(total, seen, strict=True)]
+    return total
+
+
+def regular(x: int, y: int, n: int) -> list[Sample]:
+    """The middles of the n × n parts of a pixel, all of one weight."""
+    return [Sample(x + (i + 0.5) / n, y + (j + 0.5) / n, 1 / n**2) for i in range(n) for j in range(n)]
+
+
+def camera_ray(camera: Table, across: float, down: float, width: int, height: int) -> tuple[Vector, Vector]:
+    """The ray through a film position, both from 0 to 1, from the left and from the top; pixels are square."""
+    position, target = camera["position"], camera["target"]
+    forward = unit(sub(target, position))
+    right = unit(cross(forward, camera.get("up", (0, 1, 0))))
+    up = cross(right, forward)
+    if camera.get("type", "perspective") == "orthographic":
+        half = camera["view_width"] / 2
+    else:
+        half = math.tan(math.radians(camera.get("field_of_view", 40)) / 2)
+    offset = add(scale((2 * across - 1) * half, right), scale((1 - 2 * down) * half * height / width, up))
+    if camera.get("type", "perspective") == "orthographic":
+        return add(position, offset), forward
+    return add(position, (0.0, 0.0, 0.0)), unit(add(forward, offset))

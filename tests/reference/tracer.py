@@ -1,0 +1,99 @@
+"""The tracer: radiance along a ray, by recursion; spectra are multiplied as the light travels.
+
+A hit sends on ``Σ weight · (emitted + Σ light · direct + Σ light · ambient + Σ formula · next hit)``, the last sum over
+all the rays that the scene's rules send on from it, each by one formula of the hit's materials.
+"""
+
+from collections.abc import Mapping
+
+from reference.models import Seen, formulas, shares
+from reference.records import Hit, Illumination, Ray, Scene, Spectrum
+from reference.shapes import group
+from reference.vectors import Vector, dot, mirrored, scale
+
+
+def radiance(
+    scene: Scene, spectra: Mapping[str, Spectrum], origin: Vector, direction: Vector, bounces: int
+) -> Spectrum:
+    """What arrives against `direction`, in every band; rays may still be followed for so many bounces."""
+    black = [0.0] * len(next(iter(spectra.values())))
+    hit = nearest(scene, origin, direction)
+    if hit is None:
+        return black
+
+    # Both normals turn to the eye, and the materials there share the point.
+    to_eye = scale(-1, direction)
+    normal = turned(hit.normal, to_eye)
+    hit = hit._replace(normal=normal, shading=turned(hit.shading, normal))
+    weights = scene.textures[hit.material](hit) if hit.material in scene.textures else {hit.material: 1.0}
+
+    # The light that the hit sends by itself, and of that of the lamps what its materials send on.
+    total = list(black)
+    for rule in scene.emitting:
+        for light, amount in rule(hit, to_eye).items():
+            gather(total, amount, spectra[light])
+    for name, weight in weights.items():
+        from_lights(total, scene, spectra, hit, to_eye, name, weight)
+
+    # What further rays bring; beyond the depth they are cut off.
+    for ray in (ray for rule in scene.sending for ray in rule(hit, to_eye)):
+        meeting = {name: weight for name, weight in weights.items() if formulas(scene.materials[name], ray.via)}
+        if not meeting:
+            continue
+        if bounces > 0:
+            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1)
+        else:
+            arriving = black if scene.beyond is None else spectra[scene.beyond]
+        for name, weight in meeting.items():
+            for component, share in shares(scene.materials[name], ray.via, Seen(hit.shading, to_eye, ray.direction)):
+                gather(total, weight * ray.weight * share, arriving, reflectance(spectra, name, component))
+    return total
+
+
+def mirror_ray(hit: Hit, to_eye: Vector) -> list[Ray]:
+    """The ray along the mirrored view; none where a smoothed normal sends it into the surface."""
+    onward = mirrored(to_eye, hit.shading)
+    return [Ray("reflected", onward)] if dot(onward, hit.normal) > 0 else []
+
+
+def from_lights(
+    total: Spectrum, scene: Scene, spectra: Mapping[str, Spectrum], hit: Hit, to_eye: Vector, name: str, weight: float
+) -> None:
+    """Add what one material sends to the eye of the light that reaches it from the lights themselves."""
+    material = scene.materials[name]
+    for light, ways in scene.lights.items():
+        for way in ways(hit.point):
+            if reaches(scene, light, way, hit):
+                for component, share in shares(material, "direct", Seen(hit.shading, to_eye, way.direction)):
+                    part = weight * way.irradiance * share
+                    gather(total, part, spectra[light], reflectance(spectra, name, component))
+    for light in scene.ambient:
+        for component, share in shares(material, "ambient", Seen(hit.shading, to_eye)):
+            gather(total, weight * share, spectra[light], reflectance(spectra, name, component))
+
+
+def reaches(scene: Scene, light: str, way: Illumination, hit: Hit) -> bool:
+    """True unless a light is behind the surface, or hidden by another."""
+    if dot(way.direction, hit.normal) <= 0 or dot(way.direction, hit.shading) <= 0:
+        return False
+    blocker = None if light in scene.unshadowed else nearest(scene, hit.point, way.direction)
+    return blocker is None or blocker.distance >= way.distance
+
+
+def nearest(scene: Scene, origin: Vector, direction: Vector) -> Hit | None:
+    """The nearest surface that is not the one the ray starts on."""
+    return group(scene.shapes)(origin, direction, 1e-9 * (1 + max(map(abs, origin))))
+
+
+def turned(normal: Vector, towards: Vector) -> Vector:
+    return normal if dot(normal, towards) >= 0 else scale(-1, normal)
+
+
+def reflectance(spectra: Mapping[str, Spectrum], material: str, component: str) -> Spectrum | None:
+    return spectra[f"{material}.{component}"] if component else None
+
+
+def gather(total: Spectrum, weight: float, light: Spectrum, reflectance: Spectrum | None = None) -> None:
+    """Add a share of some light, as it is or as a reflectance leaves it."""
+    for k, amount in enumerate(light):
+        total[k] += weight * amount * (1.0 if reflectance is None else reflectance[k])
