@@ -35,7 +35,7 @@ DAMAGE = (
     # NumPy reads the head of an array as Python's own literals.
     *(SyntaxError, tokenize.TokenError),
 )
-"""What comes of reading a file that was cut, changed, or is something else."""
+"""Exceptions from reading a file that was cut, changed, or is something else."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,13 @@ class Kind:
     Parameters
     ----------
     name
-        What is in it, such as ``"system"``; its format is ``"symrt-system"``.
+        A word for its content, such as ``"system"``; its format is ``"symrt-system"``.
     version
         Of the format; a file of another is refused.
     first
-        How such a file comes to be, for one that is not there.
+        The way to make such a file, said of one that is not there.
     remedy
-        What to do about one that is damaged.
+        The way to mend one that is damaged.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Kind:
 
     @property
     def format(self) -> str:
-        """What the header calls it."""
+        """Its name in the header."""
         return f"symrt-{self.name}"
 
 
@@ -129,7 +129,7 @@ def check_free(path: str | Path, form: str) -> None:
     Parameters
     ----------
     form
-        What the header of the file to write says, such as ``"symrt-system"``; ``""`` for an image, which has none.
+        The format in the header of the file to write, such as ``"symrt-system"``; ``""`` for an image, which has none.
 
     Examples
     --------
@@ -197,10 +197,13 @@ def check_members(archive: zipfile.ZipFile, largest: int) -> None:
     Traceback (most recent call last):
     ValueError: 'zeros.npy' claims more than 0.000977 MiB together with what is before it, and is not read
     """
+    # A few arrays, each once.
     members = archive.infolist()
     names = [info.filename for info in members]
     if len(names) > MOST_MEMBERS or len(set(names)) < len(names):
         raise ValueError(f"{len(names)} arrays, {len(set(names))} names: too many, or one appears twice")
+
+    # The sizes that they claim, each held against its shape.
     left = largest
     for info in members:
         left -= info.file_size

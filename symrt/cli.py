@@ -38,12 +38,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     symrt 0.1.0
     0
     """
+    # Run the command; each of its warnings is a line, said once.
     try:
         with warnings.catch_warnings():
             said: set[str] = set()
             warnings.showwarning = partial(_warned, said)
             words = sys.argv[1:] if arguments is None else list(arguments)
             return int(app(words or ["--help"], prog_name="symrt", standalone_mode=False) or 0)
+
+    # Whatever stops it is an exit code, and a line that says why.
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
     except USAGE_ERROR as error:

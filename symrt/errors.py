@@ -1,4 +1,4 @@
-"""What is wrong with what was given, in one line for each fault: the file, the key, the rule and the remedy.
+"""Faults of files and arguments, one line each: the file, the key, the rule and the remedy.
 
 Both sides of the waist are given files and arguments, so this stands at the bottom of the house.
 """
@@ -25,7 +25,7 @@ SYNONYMS = {
     "origin": "position",
     "location": "position",
 }
-"""What other programs and other spellings call keys that we have."""
+"""Names that other programs and other spellings have for our keys."""
 
 Record = TypeVar("Record", bound=type)
 

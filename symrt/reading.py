@@ -63,6 +63,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     SceneError
         If there is no such file, it is too large, or it is not TOML; with the line, where there is one.
     """
+    # Read the text, if it is of a size that a scene may have.
     try:
         size = ordinary(path).stat().st_size
         if path.is_file() and size > LARGEST:
@@ -77,6 +78,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise SceneError(f"{path}: cannot be read: {error.strerror}; give the path of a scene file") from None
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from None
+
+    # Parse it, unless the parser would need too much memory for it.
     if chain := LONG_KEY.search(text):
         line = text.count("\n", 0, chain.start()) + 1
         raise SceneError(f"{path}: line {line}: nested too deeply; a scene has at most {DEEPEST} levels")
@@ -102,11 +105,15 @@ def number_faults(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
     waiting: list[tuple[str, Any, int]] = [("", data, 0)]
     while waiting:
         key, value, level = waiting.pop()
+
+        # A table or a list is looked into, down to a depth.
         if isinstance(value, dict | list):
             if level > DEEPEST:
                 yield key[:60], f": nested too deeply; a scene has at most {DEEPEST} levels"
                 continue
             waiting.extend((_key(key, part), inner, level + 1) for part, inner in reversed(_items(value)))
+
+        # A value must be a number that can be used, or text.
         elif isinstance(value, float) and not math.isfinite(value):
             yield key, f"= {value}: numbers must be finite and within ±1.8e308; write an ordinary one, such as 1.5"
         elif isinstance(value, int) and abs(value) >= 2**63:
@@ -129,6 +136,7 @@ def inside(folder: Path, file: str | Path) -> Path:
     Traceback (most recent call last):
     ValueError: '../secret.obj' leaves the scene's folder: give a path inside it, without '..'
     """
+    # The path as it is written, on any system.
     name = str(file)
     posix, windows = PurePosixPath(name), PureWindowsPath(name)
     if not name or "\0" in name:
@@ -137,6 +145,8 @@ def inside(folder: Path, file: str | Path) -> Path:
         raise ValueError(f"{shown(name)} is an absolute path: give one relative to the scene's folder")
     if ".." in posix.parts or ".." in windows.parts:
         raise ValueError(f"{shown(name)} leaves the scene's folder: give a path inside it, without '..'")
+
+    # The file that it leads to, links followed.
     try:
         path = (folder / name).resolve()
         here = path.is_file()

@@ -28,6 +28,7 @@ def written_terms(text: str) -> list[tuple[float, tuple[str, ...]]]:
     terms: list[tuple[float, tuple[str, ...]]] = []
     end = 0
     while end < len(text) or end == 0:
+        # The next term, with a sign between two.
         found = TERM.match(text, end)
         if found is None or (end and not found["signs"].strip()):
             rest = text[end:].strip()
@@ -35,6 +36,8 @@ def written_terms(text: str) -> list[tuple[float, tuple[str, ...]]]:
             raise ValueError(
                 f"{shown(text)}, {where}: write a sum of terms such as 0.25*sun*sea.diffuse*chrome.mirror**2"
             )
+
+        # Its number, and the names that it multiplies.
         coefficient = -1.0 if found["signs"].count("-") % 2 else 1.0
         names: list[str] = []
         for factor in FACTOR.finditer(found["term"]):

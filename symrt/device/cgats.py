@@ -61,6 +61,7 @@ def read_cgats(text: str) -> Measured:
     >>> chart.bands.labels, chart.reflectances.tolist()
     (('400 nm', '500 nm'), [[0.8, 0.82]])
     """
+    # The tables, as text.
     lines = LINES.split(text)
     tables = _tables(lines) or _bare_table(lines)
     if not tables:
@@ -68,10 +69,14 @@ def read_cgats(text: str) -> Measured:
             "no BEGIN_DATA_FORMAT and BEGIN_DATA, nor a line that names fields such as nm380: neither CGATS text nor "
             "CxF; export the chart as one"
         )
+
+    # The one that has spectra.
     charts = [table for table in map(_paired, tables) if any(map(is_spectral, table.fields))]
     if len(charts) > 1:
         raise ValueError(f"{len(charts)} tables with spectra: keep one measurement a file")
     table = charts[0] if charts else tables[0]
+
+    # Its prints, and how the head says that they were measured.
     _check_counts(table)
     chart = from_rows(table.fields, table.rows, _declared(table))
     told = [(keyword, table.head[keyword][1]) for keyword in CONDITIONS if keyword in table.head]
@@ -99,8 +104,12 @@ def _tables(lines: list[str]) -> list[Table]:
     tables: list[Table] = []
     waiting: Row = (0, [])
     table, within, tabbed = Table(), "head", False
+
+    # Line by line: keywords of the head, then names of fields, then data.
     for line, text in enumerate(lines, start=1):
         tokens = _fields(text, line, len(table.fields) if within == "data" else 0, tabbed)
+
+        # A keyword opens or ends a part of the file.
         word = tokens[0].upper() if tokens else ""
         if word == "BEGIN_DATA_FORMAT":
             if within == "data":
@@ -115,6 +124,8 @@ def _tables(lines: list[str]) -> list[Table]:
             tables.append(table)
             table, within, tabbed = Table(), "head", False
             continue
+
+        # What a line adds to the part that it stands in.
         if within == "format":
             table.fields.extend(t for t in tokens if t.upper() != "END_DATA_FORMAT")
             check_size(0, len(table.fields))
@@ -173,12 +184,15 @@ def _check_row(row: Row, fields: int, line: int) -> None:
 
 
 def _fields(text: str, line: int, wanted: int, tabbed: bool) -> list[str]:
-    """What a line holds; in data, between tabs, a field may have spaces in it without quotes, or be empty."""
+    """The fields of a line; in data, between tabs, one may have spaces in it without quotes, or be empty."""
+    # Between tabs, where there are as many parts as there should be.
     if wanted and "\t" in text.strip() and not text.lstrip().startswith("#"):
         parts = text.split("\t")
         if tabbed or len(parts) == wanted:
             parts = parts if len(parts) == wanted else text.strip().split("\t")
             return [part.strip().strip('"').strip() for part in parts]
+
+    # Between spaces, with quotes, and without comments.
     fields = []
     for found in TOKEN.finditer(text):
         quoted, comment, plain, stray = found.groups()

@@ -53,6 +53,7 @@ def load_chart(path: str | Path, mode: str | None = None) -> Device:
     ...     load_chart(file)
     Device('mine.csv', measured, 2 prints in Bands(2 wavelengths, 400 … 500 nm): 2 prints with amounts of K)
     """
+    # Read the file; whatever is wrong with it is said with its name.
     path = Path(path)
     if "\0" in str(path):
         raise ValueError(f"{shown(str(path))} is not a file name: give the path of a chart")
@@ -62,6 +63,8 @@ def load_chart(path: str | Path, mode: str | None = None) -> Device:
         raise ValueError(f"{path}: cannot be read: {error.strerror}; give the path of a chart") from None
     except ValueError as error:
         raise ValueError(f"{path}: {str(error).splitlines()[0]}") from None
+
+    # The prints as a device, and what is known of them in words.
     prints = len(chart.reflectances)
     known = f" with amounts of {', '.join(chart.inks)}{plain(chart.lacking)}" if chart.inks else ""
     return Device(
@@ -94,6 +97,7 @@ def _read(path: Path, mode: str | None) -> Measured:
 
 def _read_csv(text: str) -> Measured:
     """Fields named in the first line, a print in each line after it."""
+    # The rows, with the lines that they stand on; the first line tells what divides them.
     lines = io.StringIO(text, newline=None)
     delimiter = max(",;\t", key=lines.readline().count)
     lines.seek(0)
@@ -105,6 +109,8 @@ def _read_csv(text: str) -> Measured:
                 check_size(len(rows), len(row))
     except csv.Error as error:
         raise ValueError(f"not a table ({error}): save it as CSV again") from None
+
+    # The first names the columns.
     if not rows:
         raise ValueError("no lines: the first names the columns, such as 380, 390 …")
     fields = rows[0][1]
@@ -115,12 +121,15 @@ def _read_csv(text: str) -> Measured:
 
 
 def _read_npz(content: bytes) -> Measured:
+    # Spectra, one row a print.
     arrays = _arrays(content)
     given = {name: _numbers(name, array) for name, array in arrays.items() if name != "inks"}
     nm, values = (given[name] for name in NEEDED)
     if nm.ndim != 1 or values.ndim != 2 or values.shape[1] != len(nm) or not values.size:
         raise ValueError(f"reflectances are {values.shape} for {nm.shape} wavelengths: give one row a print")
     check_size(*values.shape)
+
+    # Amounts of inks and their names, if there are any.
     amounts = given.get("amounts", np.empty((len(values), 0)))
     names = arrays.get("inks", np.array([str(i + 1) for i in range(amounts.size // len(values))], dtype=str))
     if amounts.shape != (len(values), names.size) or names.dtype.kind != "U":
@@ -129,6 +138,8 @@ def _read_npz(content: bytes) -> Measured:
         )
     if amounts.size and not (amounts.min() >= 0 and amounts.max() <= 1):
         raise ValueError("amounts are not in [0, 1]: divide percent by 100")
+
+    # As fractions.
     reflectances, note = fractions(values, [f"row {i}" for i in range(len(values))])
     return Measured(Bands(tuple(nm.tolist())), reflectances, amounts, tuple(str(ink) for ink in names.ravel()), note)
 

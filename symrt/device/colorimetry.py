@@ -51,10 +51,14 @@ def tristimulus(bands: Bands, light: str) -> Float[np.ndarray, "band 3"]:
     """
     if bands.kind != "wavelength":
         raise ValueError(f"{bands!r} have no colour under a light: only wavelengths do")
+
+    # Weights of every visible nanometre: the observer times the light.
     fine = np.array(VISIBLE.centres)
     centres = np.array(bands.centres)
     nm, functions = observer()
     weights = functions[(nm >= fine[0]) & (nm <= fine[-1])] * spectrum(light, VISIBLE, reflectance=False)[:, None]
+
+    # The share of them that the bands span.
     spanned = (fine >= centres[0]) & (fine <= centres[-1])
     seen = weights[spanned, 1].sum() / weights[:, 1].sum()
     if seen < LEAST_SEEN:
@@ -62,6 +66,8 @@ def tristimulus(bands: Bands, light: str) -> Float[np.ndarray, "band 3"]:
             f"{bands!r} span {seen:.0%} of what the eye sees under {light}, the rest would be guessed: colours need "
             "spectra of about 400 … 700 nm"
         )
+
+    # Reflectances between the bands by a smooth curve, beyond them as at the ends.
     each = np.eye(len(bands))
     within = np.clip(fine, centres[0], centres[-1])
     spread = CubicSpline(centres, each, bc_type="natural")(within) if len(bands) > 1 else np.ones((len(fine), 1))

@@ -110,9 +110,12 @@ def read_cxf(content: bytes, mode: str | None = None) -> Measured:
 
 def _of_one_mode(readings: list[Reading], mode: str | None) -> tuple[list[Reading], str]:
     """The readings under one condition, and a sentence if there are others."""
+    # The conditions that the file names.
     modes = [reading.mode for reading in readings]
     names = sorted({name for name in modes if name})
     there = " and ".join([*names, *(["some that do not say"] if None in modes else [])]) or "none that says so"
+
+    # One that was asked for must be there, and one of several must be asked for.
     if mode is not None and mode not in names:
         raise ValueError(f"mode = {shown(mode)}: the file has measurements under {there}; choose one of these, or none")
     if mode is None and len(names) > 1:
@@ -121,6 +124,8 @@ def _of_one_mode(readings: list[Reading], mode: str | None) -> tuple[list[Readin
             f"{_name(odd.print_)}: measured otherwise than the prints before it; the file has measurements under "
             f"{there}: choose one with the mode, such as {names[0]}"
         )
+
+    # The readings under it.
     if mode is None or names == [mode] == sorted({*map(str, modes)}):
         return readings, ""
     kept = [reading for reading, name in zip(readings, modes, strict=True) if name == mode]
@@ -129,9 +134,12 @@ def _of_one_mode(readings: list[Reading], mode: str | None) -> tuple[list[Readin
 
 def _targets(prints: list[ET.Element], others: list[ET.Element]) -> tuple[list[ET.Element], str]:
     """The objects that hold the prints' device values: themselves, or a target each; and a sentence about them."""
+    # Targets are needed where the prints have no device values themselves.
     targets = [one for one in others if _values(one) is not None]
     if not targets or any(_values(one) is not None for one in prints):
         return prints, ""
+
+    # Join them by the first key that finds one target for each print.
     ways: dict[str, Callable[[ET.Element], str]] = {"page, row and column": _place, "number": _number}
     for way, key in ways.items():
         found: Mapping[str, ET.Element] = {key(one): one for one in targets}
@@ -156,7 +164,7 @@ def _number(one: ET.Element) -> str:
 
 
 def _conditions(specification: ET.Element | None) -> list[tuple[str, str]]:
-    """What a specification says of how prints were measured, but for wavelengths."""
+    """Keywords and texts of how prints were measured, as a specification tells them, but for wavelengths."""
     measurement = None if specification is None else specification.find("{*}MeasurementSpec")
     if measurement is None:
         return []
@@ -165,6 +173,7 @@ def _conditions(specification: ET.Element | None) -> list[tuple[str, str]]:
 
 def _check_xml(content: bytes) -> None:
     """Read the file once for its form alone: no document type, no entities, not too deep, not too much."""
+    # A parser that counts elements and their depth, and keeps nothing.
     depth = elements = 0
     parser = expat.ParserCreate(namespace_separator="}")  # as ElementTree has it
 
@@ -185,6 +194,7 @@ def _check_xml(content: bytes) -> None:
         nonlocal depth
         depth -= 1
 
+    # Run it over the whole file.
     parser.StartDoctypeDeclHandler, parser.StartElementHandler, parser.EndElementHandler = refuse, enter, leave
     try:
         parser.Parse(content, True)
@@ -195,12 +205,16 @@ def _check_xml(content: bytes) -> None:
 def _spectrum(reading: Reading) -> tuple[Bands, Float[np.ndarray, " band"]]:
     where, spectrum = _name(reading.print_), reading.spectrum
     range_ = None if reading.specification is None else reading.specification.find(".//{*}WavelengthRange")
+
+    # The numbers of the spectrum.
     texts = (spectrum.text or "").split()
     if not texts or len(spectrum):
         what = "holds other elements beside its numbers" if len(spectrum) else "is empty"
         raise ValueError(f"{where}: its ReflectanceSpectrum {what}; measure the print again or drop it")
     check_size(1, len(texts))
     values = [number(text, f"{where}, ReflectanceSpectrum") for text in texts]
+
+    # The wavelengths they begin with and step by: its own, or those of its specification.
     first = spectrum.get("StartWL") or (range_.get("StartWL") if range_ is not None else None)
     step = spectrum.get("Increment") or (range_.get("Increment") if range_ is not None else None)
     if first is None or (step is None and len(values) > 1):
@@ -208,6 +222,8 @@ def _spectrum(reading: Reading) -> tuple[Bands, Float[np.ndarray, " band"]]:
             f"{where}: no {'StartWL' if first is None else 'Increment'}, so that its wavelengths are unknown; name a "
             "ColorSpecification with a WavelengthRange"
         )
+
+    # Bands and values.
     start, increment = number(first, f"{where}, StartWL"), number(step or "1", f"{where}, Increment")
     try:
         return Bands(tuple(start + increment * i for i in range(len(values)))), np.array(values)
@@ -237,14 +253,20 @@ def _inks(print_: ET.Element) -> dict[str, float]:
     found = _values(print_)
     if found is None:
         return {}
+
+    # Full red, green and blue have a number of their own; inks are percent.
     where, driven = _name(print_), found.tag.endswith("ColorRGB")
     full = number(found.findtext("{*}MaxRange") or "255", f"{where}, MaxRange") if driven else 100.0
+
+    # The amounts as text: those of the process, then spot colours by name.
     texts = {name: found.findtext(f"{{*}}{name}") or "" for name in (DRIVES if driven else PROCESS)}
     for spot in found.iterfind("{*}SpotColor"):
         ink = " ".join((spot.findtext("{*}Name") or "").split())
         if ink in texts:
             raise ValueError(f"{where}: {shown(ink)} appears twice; keep one amount an ink")
         texts[ink] = spot.findtext("{*}Percentage") or ""
+
+    # As numbers, in range.
     amounts = {name: number(text, f"{where}, {name}") for name, text in texts.items()}
     if not full > 0:
         raise ValueError(f"{where}: MaxRange is {full:g}: it is what full red, green or blue is written as; correct it")

@@ -109,8 +109,12 @@ def dye_device(name: str, bands: Bands | None = None) -> Device:
     """
     table = _papers()
     paper = table["papers"][name]
+
+    # The printer of the paper's dyes, at the bands asked for.
     printer = dye_printer(name)
     printer = printer.on(bands) if bands else printer
+
+    # Every combination of a few amounts of each dye.
     one_dye = np.linspace(0, MOST_DYE, STEPS)
     amounts = np.stack(np.meshgrid(*[one_dye] * len(printer.inks), indexing="ij"), axis=-1)
     amounts = amounts.reshape(-1, len(printer.inks))

@@ -29,7 +29,7 @@ UNDETERMINED = 1e-4
 FEW = 12
 """Exponents that are tried first."""
 EDGE = 1e-9
-"""How far from the bounds of the search it begins."""
+"""Distance from the bounds of the search at which it begins."""
 PARTS = 4
 """Parts that the prints are dealt into, each held out in turn."""
 SEED = 0
@@ -58,7 +58,7 @@ class HalftoneFit:
     held_out
         The root mean square error that 95 % of prints do not pass that were held out while the primaries were fitted.
     undetermined
-        How many combinations of primaries the chart leaves open, of 2 to the power of the number of inks.
+        Number of combinations of primaries that the chart leaves open, of 2 to the power of the number of inks.
     light
         The illuminant of CIEDE2000.
     """
@@ -93,7 +93,7 @@ def fit_halftone(device: Device | Monitor, *, dot_gain: bool = True, light: str 
     device
         Prints with known amounts of up to 8 inks.
     dot_gain
-        Whether dots may grow; otherwise the exponent alone accounts for it.
+        True: dots may grow; otherwise the exponent alone accounts for it.
     light
         An illuminant, under which colour differences are taken.
 
@@ -124,6 +124,7 @@ def fit_halftone(device: Device | Monitor, *, dot_gain: bool = True, light: str 
 
 
 def _check(device: Device) -> None:
+    # Known amounts of inks, as shares of the paper.
     inks = len(device.inks)
     if not 1 <= inks <= MOST_INKS:
         what = "the ink amounts of its prints are not known" if not inks else f"{inks} inks"
@@ -132,6 +133,8 @@ def _check(device: Device) -> None:
         )
     if not np.all((device.amounts >= 0) & (device.amounts <= 1)):
         raise ValueError(f"{device.name}: amounts are not all in [0, 1]: a halftone's are shares of the paper covered")
+
+    # More prints than unknowns.
     if len(device.samples) < 2 * inks + 2:
         raise ValueError(
             f"{device.name}: {len(device.samples)} prints for {inks} inks: give {2 * inks + 2} or more, else any "
@@ -146,7 +149,7 @@ def _check(device: Device) -> None:
 
 
 def _determined(shares: Float[np.ndarray, "print primary"]) -> int:
-    """How many combinations of primaries the prints tell apart."""
+    """The number of combinations of primaries that the prints tell apart."""
     return int(np.linalg.matrix_rank(shares, rtol=UNDETERMINED))
 
 
@@ -217,10 +220,13 @@ def _held_out(device: Device, unknowns: Float[np.ndarray, " unknown"]) -> float:
 
 
 def _judged(device: Device, printer: Halftone, held_out: float, light: str) -> HalftoneFit:
+    # Errors of the spectra, and differences in colour.
     told = printer.printed(device.amounts)
     errors = np.sqrt(np.mean((told - device.samples) ** 2, axis=1))
     colours = [lab(spectra @ tristimulus(device.bands, light), light) for spectra in (told, device.samples)]
     differences = colour_difference(*colours)
+
+    # The fit, with both.
     shares = demichel(printer.coverage(device.amounts))
     return HalftoneFit(
         device=replace(device, printer=printer, model_error=held_out),

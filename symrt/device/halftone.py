@@ -94,7 +94,7 @@ class Halftone:
         return unspread(demichel(self.coverage(amounts)) @ spread(self.primaries, self.exponent), self.exponent)
 
     def coverage(self, amounts: Amounts) -> Amounts:
-        """What nominal coverages become in print."""
+        """The shares of paper that nominal coverages become in print."""
         return amounts + 4 * self.gain * amounts * (1 - amounts)
 
     def on(self, bands: Bands) -> "Halftone":
@@ -122,7 +122,7 @@ def demichel(coverage: Amounts) -> Float[np.ndarray, "print primary"]:
 
 
 def spread(reflectances: Prints, exponent: float) -> Prints:
-    """What adds up area by area: R^(1/n), or log R in the limit; R below 0, an instrument's noise, counts as 0."""
+    """R^(1/n), which adds up area by area, or log R in the limit; R below 0, an instrument's noise, counts as 0."""
     positive = np.maximum(reflectances, 0)
     if np.isinf(exponent):
         with np.errstate(divide="ignore"):
@@ -157,10 +157,13 @@ def synthetic_device(name: str, bands: Bands | None = None) -> Device:
     >>> synthetic_device("synthetic-cmyk").samples.shape
     (1296, 36)
     """
+    # Densities of the inks on paper, each alone.
     inks = INKS[name]
     dyes = dye_printer(DYES)
     curves = _curves(dyes.bands, dyes.densities)
     density = np.array([SOLID[ink] * curves[ink] for ink in inks])
+
+    # Overprints of them, and the printer that mixes these.
     solids = np.array([[(s >> i) & 1 for i in range(len(inks))] for s in range(2 ** len(inks))], dtype=float)
     printer = Halftone(
         bands=dyes.bands,
@@ -170,6 +173,8 @@ def synthetic_device(name: str, bands: Bands | None = None) -> Device:
         gain=np.full(len(inks), GAIN),
     )
     printer = printer.on(bands) if bands else printer
+
+    # Prints of every combination of a few amounts.
     levels = np.linspace(0, 1, LEVELS[inks])
     amounts = np.stack(np.meshgrid(*[levels] * len(inks), indexing="ij"), axis=-1).reshape(-1, len(inks))
     return Device(

@@ -50,6 +50,7 @@ def load_device(name: str | Path, bands: Bands | None = None, *, mode: str | Non
     >>> device.bands.labels[2], device.extrapolated[:3]
     ('400 nm', array([ True,  True, False]))
     """
+    # A device that comes with symrt.
     if mode is not None and name in devices():
         raise ValueError(f"mode = {shown(mode)}: {name} is no chart in CxF3, measured under M0 to M3; leave it out")
     if name in dye_devices():
@@ -58,9 +59,13 @@ def load_device(name: str | Path, bands: Bands | None = None, *, mode: str | Non
         return synthetic_device(str(name), bands)
     if name in monitors():
         return load_monitor(str(name), bands)
+
+    # A measured chart.
     if isinstance(name, Path) or Path(name).suffix or len(Path(name).parts) > 1:
         chart = load_chart(name, mode)
         return chart.on(bands) if bands else chart
+
+    # Neither.
     near = did_you_mean([str(name)[:64]], devices())
     raise ValueError(
         f"no device {near if len(str(name)) <= 64 else shown(name)}; there are: {', '.join(devices())}; or give the "

@@ -27,7 +27,7 @@ NOISE = 0.01
 MOST = 2.0
 """No reflectance of a print is above this, not even of paper that fluoresces; larger numbers are percent."""
 UNITS = {"PCT": "percent", "DEC": "fractions"}
-"""What the names of some columns say that their numbers are."""
+"""The units that the names of some columns tell, in words."""
 MOST_PRINTS, MOST_FIELDS = 100_000, 4096
 """Prints that a chart may have, and numbers that each may have; more is no chart, and not read."""
 LONGEST_NAME = 64
@@ -51,7 +51,7 @@ class Measured:
     inks
         Names of the device values.
     note
-        How the numbers were read.
+        A sentence on the unit in which the numbers were read.
     lacking
         A remark on device values that one would expect and that are not there, if any.
     """
@@ -113,6 +113,7 @@ def from_rows(fields: Sequence[str], rows: Sequence[Row], declared: Sequence[flo
     >>> chart.reflectances.tolist(), chart.amounts.ravel().tolist(), chart.inks
     ([[0.8, 0.82], [0.04, 0.05]], [0.0, 1.0], ('K',))
     """
+    # Spectra must be there, by the names of their columns.
     columns = _spectral(fields)
     devices = _device(fields)
     if not columns:
@@ -122,10 +123,14 @@ def from_rows(fields: Sequence[str], rows: Sequence[Row], declared: Sequence[flo
         )
     if not rows:
         raise ValueError("no prints: the table has no rows; export the measurements, not only the target")
+
+    # Reflectances at their wavelengths, as fractions.
     nm = _wavelengths(columns, declared)
     values = _numbers(fields, rows, list(columns.values()))
     reflectances, note = fractions(values, [f"line {line}" for line, _ in rows])
     _check_unit([fields[column] for column in columns.values()], values.max())
+
+    # Amounts of the inks, as fractions, and the inks that one would expect beside them.
     amounts, scale = _amounts(devices, _numbers(fields, rows, list(devices.values())))
     inks = tuple(name.rpartition("_")[2] if "_" in name else name.lower() for name in devices)
     kind = next(iter(devices), "").rpartition("_")[0]
@@ -160,7 +165,7 @@ def fractions(
 
 
 def conditions(told: Sequence[tuple[str, str]]) -> str:
-    """How prints were made and measured, as their file tells it: a sentence for the provenance.
+    """A sentence for the provenance: the making and measuring of prints, as their file tells it.
 
     Examples
     --------
@@ -190,7 +195,7 @@ def number(text: str, where: str) -> float:
 
 
 def is_spectral(field: str) -> bool:
-    """Whether a column's name is that of a reflectance.
+    """True if a column's name is that of a reflectance.
 
     Examples
     --------
@@ -233,6 +238,8 @@ def _check_unit(fields: Sequence[str], largest: float) -> None:
 def _wavelengths(columns: dict[float, int], declared: Sequence[float] | None) -> list[float]:
     """Wavelengths of the columns; as declared, where the names are those rounded."""
     named = list(columns)
+
+    # Names alone tell: no step is left out.
     if declared is None:
         steps = np.diff(named)
         if len(steps) and steps.max() > steps.min() + 1:  # rounded names of even steps differ by up to 1
@@ -242,6 +249,8 @@ def _wavelengths(columns: dict[float, int], declared: Sequence[float] | None) ->
                 "bands are missing; export all of them"
             )
         return named
+
+    # The head tells, and each name is near one of its wavelengths.
     wanted = [nm for nm in declared if not any(abs(nm - name) <= 0.51 for name in named)]
     if wanted or len(named) != len(declared):
         which = f"no field for {wanted[0]:g} nm" if wanted else f"{len(named)} fields"
@@ -257,12 +266,16 @@ def _device(fields: Sequence[str]) -> dict[str, int]:
     sets: dict[str, dict[str, int]] = {}
     for column, field in enumerate(fields):
         found = INK.fullmatch(field)
+
+        # The set that a column belongs to, by its name.
         if field.lower() in WORDS:
             kind = "words"
         elif found and (found[2].isdigit() if found[1][-3:] == "CLR" else found[2] in found[1]):
             kind = found[1]
         else:
             continue
+
+        # Each column once.
         if field in sets.setdefault(kind, {}):
             raise ValueError(f"field {shown(field)} appears twice; keep one column an ink")
         sets[kind][field] = column

@@ -37,13 +37,13 @@ class Monitor:
     Parameters
     ----------
     name
-        What `load_device` calls it.
+        Its name for `load_device`.
     bands
         Wavelengths of the spectra that it is asked to show, or RGB.
     primaries
         XYZ of red, green and blue, a column each, with Y = 1 for their sum; for RGB bands the unit matrix.
     title, provenance
-        What it is and where its numbers come from.
+        A line that describes it, and the source of its numbers.
     """
 
     name: str

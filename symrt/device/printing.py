@@ -1,4 +1,4 @@
-"""What a printing device is: step 4 of the paper begins with the spectra that a device can print.
+"""Printing devices: step 4 of the paper begins with the spectra that a device can print.
 
 They are measured, or a model of the device makes them: its *printer*, which tells the reflectance of any amounts of
 its inks.
@@ -48,7 +48,7 @@ class Device:
     Parameters
     ----------
     name
-        What `load_device` calls it, or the file that it was read from.
+        Its name for `load_device`, or the file that it was read from.
     bands
         Wavelengths of its spectra.
     samples
@@ -60,13 +60,13 @@ class Device:
     extrapolated
         Bands in which some ink was not measured, and the nearest one that was stands for it.
     title, provenance
-        What it is and where its numbers come from.
+        A line that describes it, and the source of its numbers.
     printer
         The model that made the samples, or that was fitted to them; None, there is none.
     modelled
-        Whether the samples come from a model and not from measured prints.
+        True: the samples come from a model and not from measured prints.
     model_error
-        What the printer's model misses of prints held out from its fit: the root mean square difference that 95 % of
+        The error of the printer's model on prints held out from its fit: the root mean square difference that 95 % of
         them do not pass; 0 where the model made the samples, or none was fitted.
     """
 
@@ -83,10 +83,13 @@ class Device:
     model_error: float = 0.0
 
     def __post_init__(self) -> None:
+        # Texts that a terminal may show.
         for what in ("name", "title", "provenance"):
             require_plain(f"{what} of a device", getattr(self, what))
         for ink in self.inks:
             require_plain("an ink's name", ink)
+
+        # One row a print, one column a band or an ink.
         prints, bands = self.samples.shape
         if bands != len(self.bands) or not prints:
             raise ValueError(f"{self.name}: {prints} samples in {bands} bands for {self.bands!r}: give one row a print")
@@ -95,6 +98,8 @@ class Device:
                 f"{self.name}: amounts are {self.amounts.shape}, not ({prints}, {len(self.inks)}): one row a print, "
                 "one column an ink"
             )
+
+        # Finite numbers.
         for what, values, of in (
             ("sample", self.samples, self.bands.labels),
             ("amounts of print", self.amounts, self.inks),
@@ -151,7 +156,7 @@ class Device:
 
 
 def reflectance(device: Device | Printer, amounts: Amounts) -> Prints:
-    """What a device, or the model of one, prints with these amounts of its inks.
+    """The reflectance that a device, or the model of one, prints with these amounts of its inks.
 
     Raises
     ------
@@ -164,9 +169,12 @@ def reflectance(device: Device | Printer, amounts: Amounts) -> Prints:
     >>> reflectance(load_device("dye3-endura-premier"), np.zeros((1, 3)))[0, :2]
     array([0.9, 0.9])
     """
+    # The model.
     printer = device.printer if isinstance(device, Device) else device
     if printer is None:
         raise ValueError("the device is known by its samples alone: fit a model to them with fit_halftone")
+
+    # Amounts that it can lay down.
     if amounts.shape[1] != len(printer.inks):
         raise ValueError(f"{amounts.shape[1]} amounts a print: the inks are {', '.join(printer.inks)}")
     wrong = ~((amounts >= 0) & (amounts <= printer.most))

@@ -25,7 +25,7 @@ class Bands:
     centres
         Wavelengths in nm, increasing; for the other kinds the position 0, 1, 2 …
     kind
-        What they are.
+        The axis that they lie on.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Bands:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What to write beside each band."""
+        """A text to write beside each band."""
         if self.kind == "rgb":
             return ("red", "green", "blue")
         return tuple(f"{c:g} nm" if self.kind == "wavelength" else f"c{c:g}" for c in self.centres)
@@ -131,6 +131,7 @@ def resample(
 
 def check_wavelengths(nm: Float[np.ndarray, " sample"], name: str) -> None:
     """Refuse wavelengths that are not increasing nanometres, and say what they look like instead."""
+    # Numbers, in nanometres.
     if nm.size == 0:
         raise ValueError(f"{name}: no wavelengths")
     if not np.all(np.isfinite(nm)):
@@ -142,6 +143,8 @@ def check_wavelengths(nm: Float[np.ndarray, " sample"], name: str) -> None:
     outside = (nm < SHORTEST) | (nm > LONGEST)
     if outside.any():
         raise ValueError(f"{name}: {nm[outside][0]:g} nm is not in [{SHORTEST:g}, {LONGEST:g}]: wavelengths are in nm")
+
+    # Increasing.
     wrong = np.flatnonzero(np.diff(nm) <= 0)
     if wrong.size:
         before, after = nm[wrong[0]], nm[wrong[0] + 1]

@@ -42,6 +42,7 @@ def save_image(
     ...     imageio.imread(Path(folder) / "red.png").tolist()
     [[[255, 188, 0]]]
     """
+    # A format that can hold what was asked for.
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in (".png", *WRITERS):
@@ -50,6 +51,8 @@ def save_image(
         raise ValueError(f"{path}: exposure and white are for pictures; {ending} holds the radiances as they are")
     if ending == ".npz":
         check_free(path, "")
+
+    # Write it.
     with replacing(path) as file:
         if ending == ".png":
             file.write(png_bytes(image, exposure, white))

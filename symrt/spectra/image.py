@@ -20,7 +20,7 @@ class SpectralImage:
     values
         Radiances, (height, width, band); row 0 is at the top.
     bands
-        What the last axis counts.
+        The last axis: wavelengths, red, green and blue, or coordinates.
     whites
         For each light that shines, the radiance of a perfect diffuser that faces it, the key light's first; before
         them the white that the palette carries, if it does.  Empty for coordinates.
@@ -49,7 +49,7 @@ class SpectralImage:
 
     @property
     def certificate(self) -> str:
-        """What the depth limit cut off, in words."""
+        """The bound on what the depth limit cut off, in words."""
         if self.cut_off is None:
             return "nothing cut off"
         if unbounded := int(np.isinf(self.cut_off).sum()):

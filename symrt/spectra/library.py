@@ -51,12 +51,16 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     array([1., 1., 1., 1.])
     """
     require("name", name, str, "the name of a spectrum, such as 'macbeth/red', or a colour, '#c08a3e'")
+
+    # A colour, or the one spectrum that has the name.
     if name.lstrip().startswith("#"):
         return from_rgb(srgb(name), bands, reflectance=reflectance is not False)
     group, nm, values, found = _look_up(_key(name), name)
     if reflectance is not None and reflectance != (group == "macbeth"):
         is_, meant = ("a reflectance", "a light") if group == "macbeth" else ("a light", "a reflectance")
         raise ValueError(f"{name!r} is {is_}, and {meant} is wanted here: a symbol with a dot is a reflectance")
+
+    # At the bands; in RGB as its colour.
     if bands.kind != "rgb":
         return resample(nm, values, bands, repr(found))
     d65 = resample(*_tables()["illuminant"]["D65"], Bands(tuple(nm.tolist())))
@@ -132,11 +136,14 @@ def _key(name: str) -> str:
 
 def _look_up(key: str, name: str) -> tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"], str]:
     """Group, wavelengths, values and full name; a patch's notation and density may be left out: ``macbeth/white``."""
+    # Full names, and short ones without notation and density.
     known = {_key(full): full for full in names()}
     short: dict[str, list[str]] = {}
     for full in known.values():
         for part in {re.sub(r" \(.*", "", full), re.sub(r" [\d.]+ \(.*", "", full), full.replace("/FL", "/F")}:
             short.setdefault(_key(part), []).append(full)
+
+    # The one spectrum that has the name, or those that are near it.
     matches = [known[key]] if key in known else short.get(key, [])
     if len(matches) != 1:
         bare = [name for name in known if name.partition("/")[2] == key]

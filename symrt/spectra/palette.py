@@ -57,18 +57,23 @@ class Palette:
     white: SpectrumLike | None = None
 
     def __post_init__(self) -> None:
+        # Arguments of the right kinds.
         require("bands", self.bands, Bands, "wavelengths(380, 730, 10) or RGB")
         require("spectra", self.spectra, Mapping, "a spectrum for each symbol, {'sun': 1, 'red.diffuse': 0.5}")
         if self.bands.kind == "coordinate":
             raise ValueError(
                 "a palette in coordinates: their products are wrong; give spectra here, and the basis to shade"
             )
+
+        # Every spectrum as an array, and every fault.
         arrays, faults = {}, []
         for name, value in self.spectra.items():
             try:
                 arrays[name] = _checked(name, value, self.bands, self.unphysical)
             except ValueError as error:
                 faults.append(str(error))
+
+        # The white that it carries.
         if self.white is not None:
             try:
                 object.__setattr__(self, "white", _checked("white", self.white, self.bands, unphysical=True))
@@ -175,9 +180,12 @@ def did_you_mean(wrong: Iterable[str], right: Iterable[str]) -> str:
 
 def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> Spectrum:
     """A read-only array for one symbol, or the one-line reason why there is none."""
+    # A name that a symbol can have.
     reflectance = Symbol.of(name).reflectance
     if name in RESERVED:
         raise ValueError(f"{name!r}: palette files have a key of this name; call the light otherwise")
+
+    # Numbers, one a band.
     given = library_spectrum(value, bands, reflectance=reflectance) if isinstance(value, str) else value
     try:
         array = np.array(given, dtype=np.float64)
@@ -190,6 +198,8 @@ def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> 
         raise ValueError(
             f"{name!r} has {array.size} values for {bands!r}: give one a band, or one number for all{colour}"
         )
+
+    # Numbers that a spectrum can have.
     if not np.all(np.isfinite(array)):
         raise ValueError(f"{name!r} is {array[~np.isfinite(array)][0]} at {_where(~np.isfinite(array), bands)}")
     if np.any(array < 0):

@@ -64,6 +64,7 @@ def load_palettes(path: str | Path) -> Palettes:
     ...     load_palettes(file)
     {'plain': Palette(RGB, sun, red.diffuse)}
     """
+    # The tables, with numbers that can be used.
     path = scene_path(path)
     tables = read_toml(path).get("palettes")
     if not isinstance(tables, dict) or not tables:
@@ -71,6 +72,8 @@ def load_palettes(path: str | Path) -> Palettes:
     faults = [f"{path}: {key} {fault}" for key, fault in number_faults({"palettes": tables})]
     if faults:
         raise SceneError("\n".join(faults))
+
+    # Each palette, and every fault.
     palettes = Palettes()
     for name, table in tables.items():
         try:
@@ -131,10 +134,13 @@ def check_palettes_free(path: Path, names: Iterable[str]) -> None:
 
 def _palette(name: str, table: object, folder: Path) -> Palette:
     """One palette, or a ValueError with a line for each fault."""
+    # A name and a table.
     if not NAME.fullmatch(name):
         raise SceneError("not a name: a letter, then letters, digits and '_'")
     if not isinstance(table, dict):
         raise SceneError(f"= {shown(table)}: a palette is a table [palettes.{name}] with bands and spectra")
+
+    # Bands, spectra and white.
     bands = _bands(table.get("bands"))
     unphysical = table.get("unphysical", False)
     if not isinstance(unphysical, bool):
@@ -143,6 +149,8 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
     white = table.get(WHITE)
     if white is not None and not (isinstance(white, list) or _is_number(white)):
         raise SceneError(f"{WHITE} = {shown(white)}: give its radiance, one number a band")
+
+    # All faults together: those of the file, then those of the palette itself.
     try:
         palette = Palette(bands, spectra, unphysical, _numbers(white, len(bands)) if isinstance(white, list) else white)
     except ValueError as error:
@@ -153,13 +161,16 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
 
 
 def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict[str, SpectrumLike], list[str]]:
-    """What a palette takes for each symbol, and a line for each symbol that says nothing usable."""
+    """Spectra for a palette, by symbol, and a line for each symbol whose value cannot be used."""
     spectra: dict[str, SpectrumLike] = {}
     faults = []
     for name, value in _symbols(table):
+        # Each symbol once, however it is quoted.
         if name in spectra:
             faults.append(f"{_quoted(name)} is given twice, with quotes and without: keep one")
             continue
+
+        # Its spectrum, or its faults.
         try:
             symbol = Symbol.of(name)
         except ValueError as error:
@@ -196,13 +207,16 @@ def _symbols(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _spectrum(symbol: Symbol, value: object, bands: Bands, folder: Path) -> SpectrumLike:
-    """What a palette takes for a symbol; everything a file may say is checked here, and only here."""
+    """The spectrum of a symbol for a palette; everything a file may say is checked here, and only here."""
+    # A name, a number, or numbers.
     if isinstance(value, str):
         return spectrum(value, bands, reflectance=symbol.reflectance)
     if _is_number(value):
         return float(value)
     if isinstance(value, list):
         return _numbers(value, len(bands))
+
+    # A table that names one source, and a scale.
     if not isinstance(value, dict):
         raise SceneError('not a spectrum; write a number, a list, a name such as "macbeth/red", or { file = "a.csv" }')
     if unknown := sorted(set(value) - {*SOURCES, "scale"}):
@@ -230,12 +244,15 @@ def _from_source(symbol: Symbol, value: dict[str, Any], bands: Bands, folder: Pa
 
 def _read_table(path: Path, name: str) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
     """Two columns of numbers, nm and value; a first line of words and lines that begin with # are passed over."""
+    # The lines, if the file is of a size that a spectrum may have.
     if path.stat().st_size > LARGEST_TABLE:
         raise SceneError(f"{name} is larger than {LARGEST_TABLE >> 20} MiB: a spectrum is two columns, nm and value")
     try:
         lines = path.read_bytes().decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise SceneError(f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8 text") from None
+
+    # Two numbers a line, but for words at the head and remarks.
     rows: list[tuple[float, float]] = []
     for number, line in enumerate(lines, start=1):
         fields = line.replace(",", " ").replace(";", " ").split()
@@ -248,6 +265,8 @@ def _read_table(path: Path, name: str) -> tuple[Float[np.ndarray, " sample"], Fl
                 continue
             raise SceneError(f"{name}, line {number}: {shown(line)} is not two numbers, nm and value") from None
         rows.append((nm, value))
+
+    # Enough of them.
     if len(rows) < 2:
         raise SceneError(f"{name} has {len(rows)} samples: a spectrum needs two or more lines of nm and value")
     table = np.array(rows)

@@ -17,11 +17,11 @@ COLOUR_SPACE = {
     b"gAMA": struct.pack(">I", 45455),
     b"cHRM": struct.pack(">8I", 31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000),
 }
-"""What the specification gives for sRGB; the last two are for readers that do not know the first."""
+"""The specification's chunks for sRGB; the last two are for readers that do not know the first."""
 
 
 def srgb_chunks() -> PngInfo:
-    """What Pillow writes into a PNG, so that it names its colour space.
+    """The chunks that Pillow writes into a PNG, so that it names its colour space.
 
     Examples
     --------

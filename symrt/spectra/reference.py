@@ -19,7 +19,7 @@ from symrt.system import LinearSystem
 
 @dataclass(frozen=True)
 class Reference:
-    """Which white a picture is seen against, and how strongly it is exposed.
+    """The white that a picture is seen against, and the exposure.
 
     Parameters
     ----------
@@ -73,6 +73,7 @@ class Reference:
         >>> Reference("sun").white(system, Palette(RGB, {"sun": np.pi}))
         array([1., 1., 1.])
         """
+        # A white that is fixed.
         if self.radiance is not None:
             if len(self.radiance) != len(palette.bands):
                 raise ValueError(
@@ -80,6 +81,8 @@ class Reference:
                     "on the same bands"
                 )
             return np.array(self.radiance)
+
+        # A light that shines in this palette, or another white as bright as the first.
         shining = whites(system, palette)
         if not shining:
             raise ValueError(f"none of the scene's lights ({', '.join(system.lights)}) shines in this palette")
@@ -100,7 +103,7 @@ class Reference:
 
 
 GIVEN = "the palette's white"
-"""What the white that a palette carries is called; no light can have this name."""
+"""The name of the white that a palette carries; no light can have it."""
 
 
 def as_asked(reference: Reference | None) -> Reference:

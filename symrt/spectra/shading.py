@@ -138,8 +138,12 @@ def misspelt(system: LinearSystem, palette: Palette) -> dict[str, str]:
     known, found = {*system.lights, *system.reflectances}, {}
     for name in palette:
         symbol = Symbol.of(name)
+
+        # Names that are there, and alternatives, are left alone.
         if name in known or symbol.alternative or symbol.component in words.get(symbol.material, ()):
             continue
+
+        # The nearest name of its kind.
         if symbol.light:
             meant = _near(name, known)
         elif symbol.material in words:
@@ -196,7 +200,7 @@ def check_symbols(symbols: Sequence[str], palette: Palette) -> None:
 
 
 def node_weights(system: LinearSystem, parameters: Mapping[str, Number]) -> Float[np.ndarray, " interaction"]:
-    """What each column counts for at the given values of the free parameters: a product of Lagrange weights."""
+    """The weight of each column at the given values of the free parameters: a product of Lagrange weights."""
     if unknown := [name for name in parameters if name not in system.parameters]:
         free = ", ".join(system.parameters) or "none"
         raise ValueError(f"not a free parameter: {did_you_mean(unknown, system.parameters)}; free are: {free}")
@@ -234,7 +238,7 @@ def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
 
 
 def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
-    """Whether any light is left in a column: no factor is zero, however small the product."""
+    """True where light is left in a column: no factor is zero, however small the product."""
     names = [{i.light, *i.met} for i in tail.interactions]
     left = [np.all([_known(name, palette) > 0 for name in factors], axis=0) for factors in names]
     return np.array(left, dtype=bool).reshape(len(left), len(palette.bands))
@@ -276,8 +280,8 @@ def preview(
     parameters
         A value for each parameter that the system kept free.
     white
-        What is shown as white, as for `to_rgb`.  None: the white that the palette carries, or else the key light's *in
-        this palette*, so that a dimmer lamp makes the same picture; to see it dimmer, fix the white with
+        The radiance shown as white, as for `to_rgb`.  None: the white that the palette carries, or else the key light's
+        *in this palette*, so that a dimmer lamp makes the same picture; to see it dimmer, fix the white with
         ``white=Reference().white(system, brighter_palette)``.
 
     Examples

@@ -20,8 +20,8 @@ def to_rgb(
     exposure
         Factor on every radiance; at 1 the reference white is the screen's white.
     white
-        What is shown as the screen's white.  None: the white that the palette carries, or else that of the key light
-        *in this palette*, so that a dimmer lamp makes the same picture.  To see it dimmer give a fixed white: its
+        The radiance shown as the screen's white.  None: the white that the palette carries, or else that of the key
+        light *in this palette*, so that a dimmer lamp makes the same picture.  To see it dimmer give a fixed white: its
         radiance, such as another image's ``image.white``.  Or a light of the scene by name; or ``"equal-energy"`` or a
         viewing illuminant such as ``"illuminant/A"``, as bright as the first.
 

@@ -15,7 +15,7 @@ from reference.vectors import Vector, dot, mirrored, scale
 def radiance(
     scene: Scene, spectra: Mapping[str, Spectrum], origin: Vector, direction: Vector, bounces: int
 ) -> Spectrum:
-    """What arrives against `direction`, in every band; rays may still be followed for so many bounces."""
+    """Radiance against `direction`, in every band; rays are followed for so many more bounces."""
     black = [0.0] * len(next(iter(spectra.values())))
     hit = nearest(scene, origin, direction)
     if hit is None:
