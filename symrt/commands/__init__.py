@@ -1,4 +1,4 @@
-"""What the command line's words stand for, and one thin function a command; `symrt.cli` assembles them.
+"""The command line: one thin function a command, and the meaning of its words; `symrt.cli` assembles them.
 
 Nothing slow is imported here before a command needs it, so that ``symrt --help`` answers at once.
 """

@@ -1,6 +1,6 @@
-"""What the words on a command line stand for: scenes, systems, palettes, devices and parameters.
+"""Scenes, systems, palettes, devices and parameters from the words on a command line.
 
-Each function says in one line what is wrong with a word and what to write instead.  Nothing slow is imported here.
+A word that is wrong is refused in one line, with the word to write instead.  Nothing slow is imported here.
 """
 
 import re
@@ -26,12 +26,9 @@ if TYPE_CHECKING:
     from symrt.spectra.palette import Palette
     from symrt.system import LinearSystem
 
-LARGEST = 32768
-"""Pixels on a side, as cameras have it."""
-
 
 def is_file(word: str) -> bool:
-    """Whether a word is the path of a system or gamut saved as ``.npz``, and not a scene or a name.
+    """True if a word is the path of a system or gamut saved as ``.npz``, and not a scene or a name.
 
     Examples
     --------
@@ -42,13 +39,15 @@ def is_file(word: str) -> bool:
 
 
 def size_of(word: str, shape: tuple[int, int]) -> tuple[int, int]:
-    """Width and height of a picture; if only the width is given, `shape` tells their ratio.
+    """Width and height of a picture; if only the width is given, in the proportions of `shape`.
 
     Examples
     --------
     >>> size_of("640x480", (1, 1)), size_of("512", (400, 300))
     ((640, 480), (512, 384))
     """
+    from symrt.scene.cameras import LARGEST  # noqa: PLC0415  # slow, and --help does not need it
+
     found = re.fullmatch(r"([0-9]{1,5})(?:[x×]([0-9]{1,5}))?", word)
     if not found:
         raise ValueError(f"--size {shown(word)}: give a width such as 512, or width and height such as 640x480")
@@ -60,7 +59,7 @@ def size_of(word: str, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def scene_of(word: str, size: str | None = None, samples: int | None = None) -> "Scene":
-    """A scene by its file or its name, with another size or number of samples if they are given."""
+    """The scene of a file or name, with another size or number of samples if they are given."""
     if is_file(word):
         raise ValueError(f"{word}: a rendered system stands here where a scene is needed: give its .toml file")
     scene = rt.load_scene(word)
@@ -74,7 +73,7 @@ def scene_of(word: str, size: str | None = None, samples: int | None = None) -> 
 
 
 def system_of(word: str, size: str | None = None, asked: Sequence["Parameter"] = ()) -> "LinearSystem":
-    """A saved system, or a scene that is rendered now, with what the blends among the parameters asked for need."""
+    """A saved system, or a scene rendered now, with the alternatives that blends among the parameters `asked` need."""
     if not is_file(word):
         scene = scene_of(word, size)
         return rt.render(scene, alternatives=alternatives_of(scene, asked))
@@ -84,7 +83,7 @@ def system_of(word: str, size: str | None = None, asked: Sequence["Parameter"] =
 
 
 def alternatives_of(scene: "Scene", asked: Sequence["Parameter"]) -> dict[str, list[str]]:
-    """For each blend of materials that differ in more than their spectra, what `trace` must record beside."""
+    """The alternatives that `trace` must record for blends of materials that differ in more than their spectra."""
     made = {material.name: (material.model, dict(material.parameters)) for material in scene.materials}
     pairs = [(one.material, one.other) for one in asked if isinstance(one, rt.Blend) and one.mixing == "linear"]
     found: dict[str, list[str]] = {}
@@ -112,7 +111,7 @@ def pairs_of(words: Sequence[str]) -> dict[str, list[str]]:
 
 
 def palette_of(source: str, file: str | None = None, name: str | None = None) -> "Palette":
-    """A palette by its name, or the only one there is, of a file or of the scene itself."""
+    """The palette of a given name, or the only one there is, from a file or from the scene itself."""
     if file is None and is_file(source):
         raise ValueError(f"{source} holds no spectra: add --palettes FILE, such as the scene it was rendered from")
     where = source if file is None else file
@@ -129,7 +128,7 @@ def palette_of(source: str, file: str | None = None, name: str | None = None) ->
 def against(
     system: "LinearSystem", palette: "Palette", source: str, file: str | None, name: str, resample: bool = False
 ) -> "Palette":
-    """The palette with the white that another palette of the same file has under the scene's lights."""
+    """The palette with the white of another palette of the same file under the scene's lights."""
     palettes = rt.load_palettes(source if file is None else file)
     if name not in palettes:
         raise ValueError(
@@ -145,7 +144,7 @@ def against(
 
 
 class Kind(NamedTuple):
-    """Which gamut of a device is meant; what is None is as the library has it."""
+    """A choice among the gamuts of a device; fields that are None follow the library."""
 
     model: str | None = None
     black: str | None = None
@@ -164,14 +163,14 @@ class Kind(NamedTuple):
 
 
 def gamut_of(word: str, kind: Kind = Kind(), bands: "Bands | None" = None) -> "AnyGamut | AnyIntersection":  # noqa: B008
-    """A saved gamut, or the gamut of a device, or what several devices joined by ``+`` can all do.
+    """A saved gamut, the gamut of a device, or the intersection of those of several devices joined by ``+``.
 
-    If nothing else is said it is a printer's envelope with black clipped, or a monitor's gamut.
+    If `kind` leaves it open, a printer's gamut is its envelope with black clipped.
 
     Parameters
     ----------
     bands
-        Those of the palette: a monitor shows any, a printer must have them.
+        The palette's bands: a monitor shows any, a printer must have them.
     """
     words = _joined(word)
     found = [_one_gamut(one, kind, bands, several=len(words) > 1) for one in words]
@@ -183,7 +182,7 @@ def _joined(word: str) -> list[str]:
 
 
 def bands_of(word: str, mode: str | None = None) -> "Bands":
-    """The bands that a palette must have for a device, or for the first of several that is no monitor."""
+    """The bands that a palette must have for a device: those of the first of several that is no monitor."""
     words = _joined(word)
     for one in words:
         found = rt.load_gamut(one) if is_file(one) else _device(one, mode, several=len(words) > 1)
@@ -193,11 +192,13 @@ def bands_of(word: str, mode: str | None = None) -> "Bands":
 
 
 def _device(word: str, mode: str | None, *, several: bool) -> "Device | Monitor":
-    """A device; of several, those that are no charts have no mode."""
+    """The device of a name or file; if it is one of several, a mode applies to charts only."""
     return rt.load_device(word, mode=None if several and word in rt.devices() else mode)
 
 
 def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -> "AnyGamut | AnyIntersection":
+    """A saved gamut, or the gamut of one device; if it is one of several, a choice applies to printers only."""
+    # A saved gamut leaves nothing to choose.
     if is_file(word):
         if any(value is not None for value in kind):
             raise ValueError(
@@ -205,13 +206,17 @@ def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -
                 "--light, --tolerance and --mode"
             )
         return rt.load_gamut(word)
+
+    # A monitor has one gamut, and no black of its own.
     device = _device(word, kind.mode, several=several)
-    if hasattr(device, "primaries"):  # a monitor: it has no other gamut, and no black of its own
+    if hasattr(device, "primaries"):
         if kind.black and not several:
             raise ValueError(f"--black {kind.black}: {word} is a monitor, whose black is black: leave it out")
         model = (not several and kind.model) or "monitor"
         options = {} if several else kind.options(model)
         return rt.device_gamut(device.on(bands) if bands else device, model, **options)
+
+    # A printer must have the palette's bands; inks need a printer, which is fitted where a chart has none.
     if bands and device.bands != bands:
         raise ValueError(_other_bands(word, device.bands, bands))
     if kind.model == "inks" and device.printer is None and device.inks:
@@ -223,6 +228,7 @@ def _one_gamut(word: str, kind: Kind, bands: "Bands | None", *, several: bool) -
 
 
 def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
+    """The message for a palette whose bands are not the device's, with the line that would mend it."""
     if own.kind != bands.kind or own.kind != "wavelength":
         return f"{word} is in {own!r} and the palette in {bands!r}: choose a palette in wavelengths with --palette"
     steps = {round(b - a, 9) for a, b in pairwise(own.centres)}
@@ -235,7 +241,7 @@ def _other_bands(word: str, own: "Bands", bands: "Bands") -> str:
 def gamuts_of(
     device: str, models: Sequence[str], monitor: str, bands: "Bands", asked: Kind
 ) -> "list[AnyGamut | AnyIntersection]":
-    """Several gamuts of a device, and a monitor's; a light and a tolerance are for the models that take one."""
+    """Several gamuts of a device, and a monitor's; a light and a tolerance go to the models that take one."""
     kinds = [
         Kind(
             model,
@@ -249,7 +255,7 @@ def gamuts_of(
 
 
 def formula_of(source: str, size: str | None, x: int, y: int, collapsed: bool) -> "Formula":
-    """A pixel's formula: of a scene with the geometry in letters or collapsed, of a system the linear form."""
+    """The formula of a pixel: of a scene with the geometry in letters or collapsed, of a system the linear form."""
     if is_file(source):
         return rt.formula(system_of(source, size), x=x, y=y)
     scene = scene_of(source, size)
@@ -283,7 +289,7 @@ def parameter_of(word: str) -> "Parameter":
 
 
 def scale_of(word: str) -> "Scale":
-    """A parameter that must be a scale."""
+    """A scale from ``scale:NAME``; other parameters are refused."""
     found = parameter_of(word)
     if isinstance(found, rt.Scale):
         return found

@@ -1,4 +1,4 @@
-"""Commands that answer for an image and a gamut: what is feasible, and what fits best (step 5 of the paper)."""
+"""Commands on an image and a gamut: feasible ranges, fits, adaptations, pixels moved (step 5 of the paper)."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,50 +33,50 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     curve: option.Curve = None,
     as_json: option.Json = False,
 ) -> None:
-    """Which values of a parameter a device can print, and which pixel and band end each range.
+    """The values of a parameter that a device can print, and the pixel and band that end each range.
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
-    from symrt.show.tables import (  # noqa: PLC0415  # slow, and --help does not need it
-        box_record,
-        feasible_record,
-        ranges_text,
-        region_record,
-    )
+    from symrt.show import records, tables  # noqa: PLC0415  # slow, and --help does not need it
 
-    _check_together(together, {"--plot": plot, "--allowed-out": allowed_out, "--of": of, "--weights": weights})
-    if region is not None and (len(parameter) != 2 or together or plot is not None or weights is not None):
-        raise ValueError("--region draws two parameters, -p A -p B: leave out --together, --plot and --weights")
-    if curve is not None and (len(parameter) != 1 or together):
-        raise ValueError("--curve draws one parameter: give one -p, and leave out --together")
+    # Options that exclude each other, and files that cannot be written, are refused before any work.
+    alone: dict[str, object] = {"--plot": plot, "--allowed-out": allowed_out, "--of": of, "--weights": weights}
+    _check_options(len(parameter), together, region, curve, alone)
     for path in (plot, region, curve):
         if path is not None:
             writable(path, ".png")
     apart({"--plot": plot, "--region": region, "--curve": curve}, [*question.read, weights])
+
     asked = [parameter_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered(asked)
     options: dict[str, Any] = {"within": within, "cap": cap, "reference": seen}
+
+    # One box for all scales together.
     if together:
         scales = [scale_of(word) for word in parameter]
         box = rt.safe_box(system, spectra, gamut, scales, **(options | {"within": within or (0.01, 3.0)}))
-        say(json_text(box_record(box)) if as_json else repr(box))
+        say(json_text(records.box_record(box)) if as_json else repr(box))
         return
     options |= {"allowed_out": allowed_out, "mask": None if of is None else rt.pixels_of(system, of)}
+
+    # The region of two parameters.
     if region is not None:
         ranges = options | {"within": (within, within)}
         pairs = rt.joint_region(system, spectra, gamut, asked[0], asked[1], **ranges)
         draw(region, "joint_region_figure", pairs, system, spectra, seen)
-        say(json_text(region_record(pairs)) if as_json else repr(pairs))
+        say(json_text(records.region_record(pairs)) if as_json else repr(pairs))
         return
     options |= {"weights": weights_of(weights, system)}
+
+    # A range for each parameter by itself.
     found = [rt.feasible(system, spectra, gamut, one, **options) for one in asked]
     if curve is not None:
         draw(curve, "curve_figure", found[0])
     if plot is not None:
         draw(plot, "ranges_figure", found, system, spectra, gamut, seen)
-    answers = [feasible_record(one) for one in found]
-    say(json_text(answers) if as_json else ranges_text(found))
+    answers = [records.feasible_record(one) for one in found]
+    say(json_text(answers) if as_json else tables.ranges_text(found))
 
 
 @asking(Question)
@@ -97,18 +97,23 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
-    from symrt.show.tables import fit_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import fit_record  # noqa: PLC0415  # slow, and --help does not need it
     from symrt.spectra.palettes_file import check_palettes_free  # noqa: PLC0415
 
+    # Files that cannot be written are refused before any work.
     _check_files(question, out, plot, palette_out)
     if palette_out is not None:
         check_palettes_free(palette_out, [objective])
+
+    # Fit the scales.
     scales = [scale_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
     options: dict[str, Any] = {"objective": objective, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     options |= {"least_luminance": least_luminance, "allowed_out": allowed_out}
     found = rt.fit(system, spectra, gamut, scales, **options)
+
+    # Write the picture, the palette and the figure.
     written = [_save(out, rt.shade(system, found.palette), question, system, spectra)] if out is not None else []
     if palette_out is not None:
         rt.save_palettes(palette_out, {objective: found.palette})
@@ -136,9 +141,12 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
     """
-    from symrt.show.tables import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import adapted_record  # noqa: PLC0415  # slow, and --help does not need it
 
+    # Files that cannot be written are refused before any work.
     _check_files(question, out, plot)
+
+    # Search for the simplest change.
     scales = [scale_of(word) for word in parameter]
     gamut, seen = question.gamut, question.seen
     system, spectra = question.rendered()
@@ -150,6 +158,8 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     }
     options |= {"map_rest": map_rest, "within": within or (0.01, 3.0), "cap": cap, "reference": seen}
     found = rt.adapt(system, spectra, gamut, scales, **options)
+
+    # Write the picture, if one was accepted, and the figure.
     written = [_save(out, found.image(system), question, system, spectra)] if out is not None and found.accepted else []
     if plot is not None:
         draw(plot, "adapted_figure", found, system, spectra, seen)
@@ -169,7 +179,7 @@ def map_pixels(  # a command names its options
 
     Example: symrt map-pixels globe --palette macbeth --towards neutral --smoothness 2 --out moved.png
     """
-    from symrt.show.tables import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import mapped_record  # noqa: PLC0415  # slow, and --help does not need it
 
     _check_files(question, out, plot)
     gamut, seen = question.gamut, question.seen
@@ -181,9 +191,16 @@ def map_pixels(  # a command names its options
     _answer(mapped_record(found), repr(found), written, as_json)
 
 
-def _check_together(together: bool, others: dict[str, object]) -> None:
-    if together and (given := [name for name, value in others.items() if value]):
+def _check_options(
+    parameters: int, together: bool, region: Path | None, curve: Path | None, alone: dict[str, object]
+) -> None:
+    """Refuse options of `feasible` that exclude each other; those in `alone` are for one parameter at a time."""
+    if together and (given := [name for name, value in alone.items() if value]):
         raise ValueError(f"--together gives one box for all pixels: leave out {' and '.join(given)}")
+    if region is not None and (parameters != 2 or together or alone["--plot"] or alone["--weights"]):
+        raise ValueError("--region draws two parameters, -p A -p B: leave out --together, --plot and --weights")
+    if curve is not None and (parameters != 1 or together):
+        raise ValueError("--curve draws one parameter: give one -p, and leave out --together")
 
 
 def _check_files(question: Question, out: Path | None, plot: Path | None, palette_out: Path | None = None) -> None:
@@ -197,12 +214,12 @@ def _check_files(question: Question, out: Path | None, plot: Path | None, palett
 
 
 def _answer(record: dict[str, Any], text: str, written: list[str], as_json: bool) -> None:
-    """The answer, and what was written to which file."""
+    """Say the answer, and a sentence for each file that was written."""
     say(json_text(record | {"written": written}) if as_json else "\n".join([text, *written]))
 
 
 def _save(out: Path, image: "SpectralImage", question: Question, system: "LinearSystem", palette: "Palette") -> str:
-    """Write a picture, seen as the question was asked, or radiances as they are; and say which, in a sentence."""
+    """Write a picture as it is seen, or radiances as they are, and return a sentence that says which."""
     seen = question.seen
     if out.suffix.lower() == ".png":
         rt.save_image(out, image, exposure=seen.exposure, white=seen.white(system, palette))

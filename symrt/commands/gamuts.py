@@ -49,19 +49,22 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """Facts of a device's basis and gamut; or how a scene's materials lie in it.
+    """Facts of a device's basis and gamut, or the place of a scene's materials in it.
 
     With a scene, each material's reflectance is scaled, and each blended with each other, in front of the reference
     light: the table says which part of each segment is inside, and --plot draws them in any three components.
 
     Example: symrt gamut globe --palette macbeth --device dye3-endura-premier --plot segments.png
     """
+    # Files that cannot be written are refused before any work.
     for path, ending in ((save, ".npz"), (plot, ".png")):
         if path is not None:
             writable(path, ending, form="symrt-gamut")
     apart({"--save": save, "--plot": plot}, [source, palettes, device])
+
     kind = Kind(model, black, light, tolerance, mode)
     if source is None:
+        # Without a scene: facts of the gamut, which no option on materials concerns.
         about: dict[str, object] = {
             "--palette": palette,
             "--palettes": palettes,
@@ -77,6 +80,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
         found = gamut_of(device, kind)
         said, text = _facts(found, plot)
     else:
+        # With a scene: its materials' segments, in the gamut on the palette's bands.
         if source in rt.devices() or Path(source).suffix.lower() in CHARTS:
             raise ValueError(f"{source}: a device, where a scene or a system stands: write --device {source}")
         spectra = palette_of(source, palettes, palette)
@@ -87,13 +91,15 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
             raise ValueError(f"--components {' '.join(map(str, components))}: three different ones, from 0 to {last}")
         asked = {"within": within or (0.01, 3.0), "exposure": exposure}
         said, text = _segments(system_of(source, size), spectra, found, reference, asked, components, plot)
+
     if save is not None:
         rt.save_gamut(save, found)
     say(json_text(said) if as_json else text)
 
 
 def _facts(found: "SavedGamut", plot: Path | None) -> tuple[dict[str, Any], str]:
-    from symrt.show.tables import gamut_facts, gamut_table  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.records import gamut_facts  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.tables import gamut_table  # noqa: PLC0415
 
     if plot is not None:
         draw(plot, "body_figure", found)
@@ -110,9 +116,10 @@ def _segments(
     components: tuple[int, int, int],
     plot: Path | None,
 ) -> tuple[dict[str, Any], str]:
-    from symrt.show.segments import diffuse_materials, segments_of  # noqa: PLC0415  # slow, as above
+    from symrt.show.records import segments_record  # noqa: PLC0415  # slow, as above
+    from symrt.show.segments import diffuse_materials, segments_of  # noqa: PLC0415
     from symrt.show.study import materials  # noqa: PLC0415
-    from symrt.show.tables import segments_record, segments_table  # noqa: PLC0415
+    from symrt.show.tables import segments_table  # noqa: PLC0415
     from symrt.spectra.reference import key_light  # noqa: PLC0415
 
     light = reference or key_light(system, spectra)

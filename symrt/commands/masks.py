@@ -23,8 +23,9 @@ WHITE = 0.5
 
 
 def parted(system: "LinearSystem", palette: "Palette", words: Sequence[str] | None) -> tuple["LinearSystem", "Palette"]:
-    """The system and the palette in which regions have names of their own, from ``bay=sea:0,0,64,32`` and the like."""
+    """Split regions off materials, by words such as ``bay=sea:0,0,64,32``, in the system and in the palette."""
     for word in words or ():
+        # The new name, the material, and its region.
         found = re.fullmatch(r"([^=:]*)=([^=:]*):(.+)", word)
         if not found:
             raise ValueError(
@@ -35,15 +36,19 @@ def parted(system: "LinearSystem", palette: "Palette", words: Sequence[str] | No
         mask = _mask(where, (system.height, system.width))
         if not mask.any():
             raise ValueError(f"--split {shown(word)}: no pixel is in the region")
+
         system, palette = rt.split(system, material, mask, name), rt.with_region(palette, material, name)
     return system, palette
 
 
 def _mask(word: str, shape: tuple[int, int]) -> "Mask":
+    """A region from the path of a grey picture, or from the corners of a rectangle."""
     import numpy as np  # noqa: PLC0415  # slow, and --help does not need it
 
     if Path(word).suffix.lower() == ".png":
         return _picture(Path(word), shape) > WHITE
+
+    # Corners must lie in the picture, and hold at least one pixel.
     corners = re.fullmatch(r"([0-9]{1,5}),([0-9]{1,5}),([0-9]{1,5}),([0-9]{1,5})", word)
     if not corners:
         raise ValueError(f"--split {shown(word)}: a region is X0,Y0,X1,Y1, whole numbers, or the path of a .png")
@@ -53,13 +58,14 @@ def _mask(word: str, shape: tuple[int, int]) -> "Mask":
         raise ValueError(
             f"--split {word}: the picture is {width} × {height}: 0 <= X0 < X1 <= {width} and 0 <= Y0 < Y1 <= {height}"
         )
+
     mask = np.zeros(shape, dtype=bool)
     mask[top:bottom, left:right] = True
     return mask
 
 
 def weights_of(path: Path | None, system: "LinearSystem") -> "Grey | None":
-    """What each pixel counts, from a grey picture of the image's size; None if there is none."""
+    """The weight of each pixel from a grey picture of the image's size; None if no picture is given."""
     return None if path is None else _picture(path, (system.height, system.width))
 
 

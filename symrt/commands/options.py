@@ -1,4 +1,4 @@
-"""What the command line's options are called, and what their help says: each once, for every command that has it."""
+"""Names and help texts of the command line's options, each written once for every command that has it."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 DEVICE = "dye3-endura-premier"
-"""The device that is meant if none is named."""
+"""The device if none is named."""
 PICTURES = (".png", ".tif", ".tiff", ".npz", ".exr")
 """Endings of the files that a picture can be written to."""
 

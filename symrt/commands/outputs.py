@@ -1,4 +1,4 @@
-"""Files that a command is to write: asked before the work whether they can be, and whether anything would be lost."""
+"""Checks, before the work, that a command's files can be written and that no other file would be lost."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,12 +8,12 @@ from symrt.symbols import NAME
 
 
 def writable(path: Path, *endings: str, form: str | None = None) -> Path:
-    """The path itself, if a file of that kind can be written there: asked before the work, not after it.
+    """The path itself, if a file of that kind can be written there.
 
     Parameters
     ----------
     form
-        What a ``.npz`` says that it is, ``"symrt-system"`` or ``""`` for an image: one of another kind is not replaced.
+        The form written in a ``.npz``, ``"symrt-system"``, or ``""`` for an image: a file of another is not replaced.
     """
     if path.suffix.lower() not in endings:
         raise ValueError(f"{path}: the name must end in {' or '.join(endings)}")
@@ -29,7 +29,7 @@ def writable(path: Path, *endings: str, form: str | None = None) -> Path:
 
 
 def apart(outputs: Mapping[str, Path | None], inputs: Sequence[str | Path | None] = ()) -> None:
-    """Refuse two outputs in one file, and an output over one of the files that are read: either would be lost.
+    """Refuse two outputs in one file, and an output over a file that is read, as one of the two would be lost.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def _shipped(word: str) -> list[Path]:
 
 
 def _place(path: Path) -> tuple[int, int] | Path:
-    """What two names of one file have in common: its number on the disk, or where it will be."""
+    """The identity of a file, the same for all its names: its number on the disk, or the path where it will be."""
     try:
         found = path.stat()
     except (OSError, ValueError):  # it is not there yet

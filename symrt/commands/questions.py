@@ -1,4 +1,4 @@
-"""What commands on a picture, and on a picture and a gamut, all have in common: their words, each listed once."""
+"""The words that all commands on a picture share, and those on a picture and a gamut, each listed once."""
 
 import inspect
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """A scene or a system with its spectra, the white that it is seen against, and the device in question."""
+    """A scene or a system with its spectra, its reference white, and the device in question."""
 
     source: option.Source
     palette: option.PaletteName = None
@@ -38,20 +38,20 @@ class Picture:
 
     @cached_property
     def given(self) -> "Palette":
-        """The palette, on the device's bands if it is to be: known before anything is rendered."""
+        """The palette, on the device's bands if asked for; it needs no rendering."""
         found = palette_of(self.source, self.palettes, self.palette)
         return found.on(bands_of(self.device, self.mode)) if self.resample else found
 
     @cached_property
     def seen(self) -> "Reference":
-        """The white and the exposure."""
+        """The reference white and the exposure."""
         if self.reference is not None and self.white_of is not None:
             raise ValueError("--reference and --white-of both choose the white: give one of them")
         return rt.Reference(self.reference, self.exposure)
 
     @property
     def read(self) -> list[str | None]:
-        """The words that may be files, which no output may replace."""
+        """Words that may name files that are read, which no output may replace."""
         return [self.source, self.palettes, self.device, *(self.split or ())]
 
     def rendered(self, asked: "Sequence[Parameter]" = ()) -> "tuple[LinearSystem, Palette]":
@@ -83,7 +83,7 @@ Asked = TypeVar("Asked", bound=Picture)
 
 
 def asking(kind: type[Asked]) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Make of a function of a picture, or a question, and words of its own a command that has the words of both.
+    """Turn a function of a picture or question, and of further words, into a command with all of their words.
 
     Examples
     --------
@@ -97,6 +97,7 @@ def asking(kind: type[Asked]) -> Callable[[Callable[..., None]], Callable[..., N
     """
 
     def made(function: Callable[..., None]) -> Callable[..., None]:
+        # The command's words: the source, then the function's own, then those that all such commands share.
         _, *own = inspect.signature(function, eval_str=True).parameters.values()
         source, *common = inspect.signature(kind, eval_str=True).parameters.values()
         words = [one.replace(kind=inspect.Parameter.KEYWORD_ONLY) for one in (source, *own, *common)]

@@ -1,4 +1,4 @@
-"""Words on their way to the terminal, which obeys none of them, in whatever encoding it has."""
+"""Output to the terminal, without characters that it would obey, in whatever encoding it has."""
 
 import sys
 from typing import Any

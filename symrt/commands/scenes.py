@@ -1,4 +1,4 @@
-"""Commands on a scene: what it calls for, its render, a pixel's formula, a picture, the demo (steps 1 to 3)."""
+"""Commands on a scene: its plan, a probe, its render, a pixel's formula, a picture, the demo (steps 1 to 3)."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -16,7 +16,7 @@ from symrt.show.writing import json_text
 
 
 def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
-    """Which effects a scene calls for, and by what.
+    """The effects that a scene calls for, and the lights and materials that call for them.
 
     Example: symrt plan globe
     """
@@ -31,7 +31,7 @@ def probe(
     rays: Annotated[int, typer.Option("--rays", help="About how many rays.")] = 4096,
     as_json: option.Json = False,
 ) -> None:
-    """What a few rays meet: lights, materials, bounces.
+    """Statistics of a few rays: the lights, materials and bounces that they meet.
 
     Example: symrt probe globe --rays 1024
     """
@@ -60,14 +60,18 @@ def render(  # a command names its options
 
     Example: symrt render globe --size 512 --out globe.npz
     """
+    # Words that cannot be obeyed are refused before any work.
     out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz", form="symrt-system")
     apart({"--out": out}, [scene])
     if workers is not None and workers < 1:
         raise ValueError(f"--workers {workers}: at least one thread works")
+
+    # Render, and save the system.
     asked = pairs_of(alternative or ())
     force = dict.fromkeys(without or (), False)
     system = rt.render(scene_of(scene, size, samples), workers=workers, alternatives=asked, force=force)
     rt.save_system(out, system)
+
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
@@ -86,7 +90,7 @@ def formula(  # noqa: PLR0913, PLR0917  # a command names its options
     size: option.Size = None,
     as_json: option.Json = False,
 ) -> None:
-    """What one pixel says, as a formula.
+    """The formula of one pixel.
 
     Of a scene with the geometry in letters, of a rendered system the linear form.
 
@@ -102,7 +106,7 @@ def formula(  # noqa: PLR0913, PLR0917  # a command names its options
 
 
 def _place(given: int | None, named: int | None, name: str) -> int:
-    """A pixel's column or row, given by its place on the command line or by its name."""
+    """The column or row of a pixel, given either by position on the command line or by name."""
     found = named if given is None else given
     if found is None or (given is not None and named is not None):
         how = "nowhere" if found is None else "twice"
@@ -126,11 +130,14 @@ def shade(
 
     Example: symrt shade globe.npz --palettes globe --palette macbeth --out globe.png
     """
+    # Words that cannot be obeyed are refused before any work.
     if reference is not None and white_of is not None:
         raise ValueError("--reference and --white-of both choose the white: give one of them")
     spectra = palette_of(source, palettes, palette)
     out = writable(out or Path(f"{Path(source).stem}.png"), *option.PICTURES, form="")
     apart({"--out": out}, [source, palettes])
+
+    # Shade the system, and write the picture against its white.
     system = system_of(source, size)
     if white_of is not None:
         spectra = against(system, spectra, source, palettes, white_of)
@@ -145,7 +152,7 @@ def demo(
     size: Annotated[str, typer.Option("--size", metavar="W[xH]", help="Pixels.")] = "512",
     scene: Annotated[str, typer.Option("--scene", help="A scene with palettes in RGB and in wavelengths.")] = "globe",
 ) -> None:
-    """The paper's Figures 1, 2 and 3 into a folder.
+    """Write the paper's Figures 1, 2 and 3 into a folder.
 
     With them go a table of feasible ranges, one pixel's formula, the times, and a page that shows all of it.
 

@@ -1,4 +1,4 @@
-"""Bounds of a model's formulas, by interval arithmetic: what the depth limit cuts off is bounded with them (step 2)."""
+"""Bounds of a model's formulas by interval arithmetic, which bound the light that a trace cuts off (step 2)."""
 
 import functools
 import math
@@ -15,13 +15,13 @@ Interval = Any
 """An mpmath interval."""
 
 LARGEST_POWER = 64
-"""Integer powers up to this one are bounded; no bound is known of larger ones."""
+"""Largest integer power that is bounded; others may have any value."""
 
 
 def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> float:
     """An upper bound of |formula| over all reflectances and cosines in [0, 1], and parameters in their `ranges`.
 
-    Infinite where none is known.
+    It is infinite where no bound is known.
 
     Examples
     --------
@@ -35,6 +35,7 @@ def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> f
 
 
 def _interval(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    """An interval that holds all values of an expression, by recursion over its tree."""
     if expression.is_Atom:
         return _atom(expression, ranges)
     if isinstance(expression, Lobe):
@@ -50,6 +51,7 @@ def _interval(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]])
 
 
 def _atom(expression: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    """An interval that holds a number or symbol; of numbers that no float is, such as π, the floats beside it."""
     if isinstance(expression, sympy.Rational):
         return iv.mpf(int(expression.p)) / iv.mpf(int(expression.q))
     if isinstance(expression, Parameter):

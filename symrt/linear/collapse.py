@@ -43,9 +43,9 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, or
         Parameters that stay free, by interpolation between nodes: their names, for a range from a quarter to four
         times their value, or a mapping to ``(low, high)``.
     ordered
-        Whether interactions keep the order in which light met the reflectances, from the light to the eye: ``sun *
-        sea.diffuse * chrome.mirror`` is then the sea seen in the chrome.  Otherwise they are sorted, and what differs
-        in order only is one column.
+        True to keep the order in which light met the reflectances, from the light to the eye: ``sun * sea.diffuse *
+        chrome.mirror`` is then the sea seen in the chrome.  Otherwise reflectances are sorted, and products that
+        differ in order only share a column.
 
     Examples
     --------
@@ -64,7 +64,13 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, or
 
 @dataclass(frozen=True, eq=False)
 class Gathering:
-    """What a collapse works with: its program, its tree, what reflectances' products are, and what it has found."""
+    """The state of a collapse: its program and tree, and the entries of G and of the tail gathered so far.
+
+    Parameters
+    ----------
+    product
+        The product of two products of reflectances, sorted or in order.
+    """
 
     program: Program
     tree: RayTree
@@ -78,7 +84,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
     found = Gathering(program, tree, in_order if ordered else commuting)
     paths = from_the_eye(tree.levels[0], tree.film) if tree.levels else NOWHERE
     for level, below in zip_longest(tree.levels, tree.levels[1:]):
-        # What reaches the eye from the points of this level.
+        # Light that reaches the eye from the points of this level.
         for points in level.points:
             for lit in points.lit:
                 _add_lit(found, level, points, lit, paths)
@@ -87,7 +93,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         for emitted in level.emitted:
             _add_emitted(found, level, emitted, paths)
 
-        # What further rays would have brought is bounded; what they do bring is found on the level below.
+        # Light of rays that were cut off is bounded; light of rays that were followed is found on the level below.
         for branch in level.cut:
             for part in passing(program, level, branch, paths):
                 value = np.where(part.vanished, VANISHED, np.abs(part.value))
@@ -114,21 +120,25 @@ def _pixel(tree: RayTree, level: Level, hit: Index) -> Index:
 
 
 def _add_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Paths) -> None:
-    """Add what one sample of a light gives the eye by way of one material."""
+    """Add the light that one sample of a light sends to the eye by way of one material."""
     compiled = found.program.compiled[points.material][lit.via]
     if not compiled.terms:
         return
+
+    # Each pair of a point and a path to it, and the geometric factors at the points.
     point = lit.point
     which, path, carried = _arriving(points, lit, paths)
     pixel = _pixel(found.tree, level, points.hit[point])
     factors = {name: values[point] for name, values in points.view.items()} | dict(lit.factors)
+
+    # One coefficient a term, to the column of the light and all reflectances on the way.
     for (met, nodes), c in zip(compiled.terms, compiled.coefficients(factors, point.size), strict=True):
         columns = [Interaction(lit.light, found.product(product, met), nodes) for product in paths.products]
         found.entries.add(columns, paths.product[path], pixel[which], carried * c[which])
 
 
 def _bound_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Paths) -> None:
-    """Bound what a sample of a light adds or takes away that belongs to an effect which was left out."""
+    """Bound the change that an effect which was left out would make to a sample of a light."""
     which, path, carried = _arriving(points, lit, paths)
     brightest = found.program.brightest[lit.via]
     columns = [Interaction(lit.light, product) for product in paths.products]
@@ -137,14 +147,14 @@ def _bound_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: 
 
 
 def _arriving(points: Points, lit: Lit, paths: Paths) -> tuple[Index, Index, Float[np.ndarray, " entry"]]:
-    """For each pair of a point that a light's sample reaches and a path to it: both, and the number they carry."""
+    """Pairs of a point that a light's sample reaches and a path to it, and the number that each pair carries."""
     arriving = points.weight[lit.point] * lit.irradiance * lit.visible
     which, path = paths.to(points.hit[lit.point])
     return which, path, paths.coefficient[path] * arriving[which]
 
 
 def _add_emitted(found: Gathering, level: Level, emitted: Emitted, paths: Paths) -> None:
-    """Add what hits send to the eye by themselves."""
+    """Add the light that hits send to the eye by themselves."""
     which, path = paths.to(emitted.hit)
     columns = [Interaction(emitted.light, product) for product in paths.products]
     pixel = _pixel(found.tree, level, emitted.hit)
@@ -163,11 +173,11 @@ def _onwards(found: Gathering, level: Level, below: Level, paths: Paths) -> Path
 
 
 def _bound(found: Gathering, paths: Paths, part: Passing, pixel: Index, value: Float[np.ndarray, " entry"]) -> None:
-    """Bound what rays might have brought: at most the brightest surface there can be, in the light of each light."""
+    """Bound the light that rays might have brought: that of the brightest surface possible, lit by every light."""
     present = np.flatnonzero(value)
     for name, light in found.tree.lights.items():
         brightest = found.program.brightest[light.via]
-        # Nothing times an unknown irradiance is nothing.
+        # 0 · inf: where no formula reflects the light, an unbounded irradiance adds nothing.
         if brightest:
             columns = [Interaction(name, found.product(product, part.met)) for product in paths.products]
             unseen = value[present] * (brightest * light.bound)

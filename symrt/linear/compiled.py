@@ -23,12 +23,12 @@ NodeIndex = tuple[tuple[str, int], ...]
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """Σ_k c_k(factors) Π reflectances: the products, and a function that gives the coefficients c_k.
+    """A formula Σ_k c_k(factors) Π reflectances: the products, and a function for the coefficients c_k.
 
     Parameters
     ----------
     terms
-        For each coefficient the reflectances it belongs to, and the node of each free parameter that it depends on.
+        For each coefficient its product of reflectances, and the node of each free parameter that it depends on.
     factors
         The geometric factors that the coefficients depend on.
     expressions
@@ -56,12 +56,15 @@ class Compiled:
         ValueError
             If a formula has no finite value at some point.
         """
+        # 0/0 and overflow pass here: they are reported below, with the place where they happen.
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             try:
                 values = self.function(*(factors[name] for name in self.factors))
             except (NameError, TypeError) as error:
                 shown = ", ".join(map(str, self.expressions))
                 raise ValueError(f"{shown}: NumPy cannot compute this ({error}); use functions that it has") from error
+
+        # A constant coefficient is spread over all points; every value must be finite.
         arrays = [np.broadcast_to(np.asarray(value, dtype=np.float64), (size,)) for value in values]
         for (met, _), array in zip(self.terms, arrays, strict=True):
             finite = np.isfinite(array)
@@ -89,6 +92,8 @@ def compile_formula(
     """
     free = free or {}
     values = {Parameter(name): sympy.Float(float(value)) for name, value in parameters.items() if name not in free}
+
+    # One coefficient for each monomial and each combination of nodes.
     terms: list[tuple[Monomial, NodeIndex]] = []
     coefficients: list[sympy.Expr] = []
     for met, coefficient in monomials(formula).items():
@@ -97,11 +102,13 @@ def compile_formula(
                 raise ValueError(f"{material}: {bound}: an exponent of a cosine must not be negative; 40 is glossy")
             terms.append((tuple(named(material, name) for name in met), index))
             coefficients.append(bound)
+
     factors = tuple(sorted({symbol.name for c in coefficients for symbol in c.atoms(Factor)}))
     return Compiled(tuple(terms), factors, tuple(coefficients))
 
 
 def _at_nodes(coefficient: sympy.Expr, free: Mapping[str, Nodes]) -> list[tuple[NodeIndex, sympy.Expr]]:
+    """The coefficient at each combination of nodes of the free parameters in it; just itself if there are none."""
     names = sorted(symbol.name for symbol in coefficient.atoms(Parameter))
     if missing := [name for name in names if name not in free]:
         raise ValueError(f"{coefficient}: {', '.join(missing)} has no value; give it one in the material")

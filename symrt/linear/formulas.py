@@ -24,10 +24,10 @@ Spectra = Mapping[str, float | Float[np.ndarray, " band"]]
 
 @dataclass(frozen=True)
 class Formula:
-    """What one pixel says: an expression in lights and reflectances, and the values of the letters of its geometry.
+    """The formula of one pixel: an expression in lights and reflectances, and the values of its geometric letters.
 
-    The expression and its Python code hold every digit; text and LaTeX drop digits, and say how many terms they left
-    out if they were asked to.
+    The expression and its Python code keep every digit; text and LaTeX drop digits, and count the terms that they
+    leave out.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class Formula:
         return tuple(symbol.name for symbol in sorted(free, key=lambda s: (s.class_key(), s.name)))
 
     def text(self, digits: int = 4, terms: int | None = None) -> str:
-        """Plain text, largest terms first, with floats to some digits; only so many `terms` if a number is given.
+        """Plain text, largest terms first, with floats to some `digits`, and at most so many `terms` if given.
 
         Terms below 1e-9 of the pixel are counted, not shown.
         """
@@ -78,12 +78,15 @@ class Formula:
 
     def evaluate(self, spectra: Spectra) -> Float[np.ndarray, " band"] | float:
         """The pixel's value for given spectra, by name; bands broadcast."""
+        # Values for all letters and spectra in the expression.
         leaves: dict[sympy.Symbol, Any] = {Factor(name): value for name, value in self.values.items()}
         free = self.expression.free_symbols
         leaves |= {s: spectra[s.name] for s in free if not isinstance(s, Factor) and s.name in spectra}
         missing = sorted(s.name for s in free - set(leaves))
         if missing:
             raise ValueError(f"no value for {', '.join(missing)}; the formula's spectra are {', '.join(self.symbols)}")
+
+        # Numbers are summed without rounding in between, bands as arrays.
         terms = evaluated(sympy.Add.make_args(self.expression), leaves)
         if all(np.ndim(term) == 0 for term in terms):
             return math.fsum(terms)
@@ -91,7 +94,7 @@ class Formula:
 
     @property
     def letters(self) -> dict[str, float]:
-        """The letters of the geometry as they are printed, and their values."""
+        """The geometric letters and their values as they are printed: a cosine where its 1 − cosine is kept."""
         return {
             name.removeprefix(ONE_MINUS): 1 - value if name.startswith(ONE_MINUS) else value
             for name, value in self.values.items()
@@ -114,8 +117,8 @@ def formula(source: object, x: Any, y: Any) -> Formula:  # noqa: ARG001 -- the r
     Parameters
     ----------
     source
-        A `RayTree` gives the formula with geometry still in letters, a `LinearSystem` the linear form, and a `Scene`
-        is traced for this one pixel.
+        A `RayTree`, for the formula with geometry still in letters; a `LinearSystem`, for the linear form; or a
+        `Scene`, which is traced for this one pixel.
 
     Examples
     --------

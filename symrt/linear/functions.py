@@ -10,14 +10,14 @@ import sympy
 def function_of(
     letters: Iterable[sympy.Symbol], expressions: Sequence[sympy.Expr], lobe: Callable[..., Any], *, cse: bool = False
 ) -> Callable[..., list[Any]]:
-    """A function of the letters' values that gives the values of all expressions.
+    """Compile expressions into one function, from the letters' values to the expressions' values.
 
     Parameters
     ----------
     lobe
-        What computes the power of a cosine: `lobe_values` for arrays, `lobe_value` for numbers.
+        The function for powers of cosines: `lobe_values` for arrays, `lobe_value` for numbers.
     cse
-        Compute what the expressions have in common once.
+        True to compute common subexpressions once.
 
     Examples
     --------

@@ -16,7 +16,7 @@ from symrt.system import Interaction, LinearSystem
 
 
 def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
-    """Coefficient of each product of one light and some reflectances.
+    """The coefficient of each product of one light and some reflectances.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def coefficient_matrix(
 ) -> LinearSystem:
     """Collapse pixels' formulas, row by row from the top, into a linear system.
 
-    The formulas may come from `expressions`, or be a user's own.
+    The formulas come from `expressions`, or are a user's own.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Gather coefficients pixel by pixel and column by column, and make the sparse G of them (step 2)."""
+"""Gather coefficients by pixel and interaction, and assemble them into the sparse matrix G (step 2)."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from symrt.system import Interaction
 
 @dataclass(frozen=True, eq=False)
 class Entries:
-    """Coefficients on their way into G: numbers, each with its pixel and its interaction."""
+    """Coefficients on their way into G: values, each with its pixel and the number of its interaction's column."""
 
     columns: dict[Interaction, int] = field(default_factory=dict)
     pixel: list[np.ndarray] = field(default_factory=list)
@@ -47,9 +47,12 @@ def assemble(entries: Entries, pixels: int) -> tuple[sparse.csr_array, tuple[Int
     >>> assemble(entries, 2)[0].toarray().tolist()
     [[0.0], [0.75]]
     """
+    # Renumber columns from the order in which they were found to the canonical one.
     order = sorted(entries.columns)
     rank = np.empty(len(order), dtype=np.int32)
     rank[[entries.columns[interaction] for interaction in order]] = np.arange(len(order), dtype=np.int32)
+
+    # Entries of the same pixel and column are added up.
     pixel, column, value = (
         np.concatenate(parts) if parts else np.empty(0, dtype)
         for parts, dtype in ((entries.pixel, np.int32), (entries.column, np.int32), (entries.value, np.float64))
@@ -66,6 +69,7 @@ def without_empty_columns(
     used = np.bincount(matrix.indices, minlength=len(interactions)) > 0
     if used.all():
         return matrix, interactions
+
     renumbered = (np.cumsum(used) - 1).astype(matrix.indices.dtype)
     kept = sparse.csr_array(
         (matrix.data, renumbered[matrix.indices], matrix.indptr), shape=(matrix.shape[0], used.sum())
@@ -77,14 +81,18 @@ def stack_rows(
     parts: list[tuple[sparse.csr_array, tuple[Interaction, ...]]], order: Int[np.ndarray, " pixel"]
 ) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
     """Put the rows of several matrices under each other, over the union of their columns, then in the given order."""
+    # Renumber each part's columns to those of the union.
     columns = sorted({interaction for _, interactions in parts for interaction in interactions})
     place = {interaction: j for j, interaction in enumerate(columns)}
     data = np.concatenate([matrix.data for matrix, _ in parts])
     lookup = [np.array([place[i] for i in interactions], dtype=np.int32) for _, interactions in parts]
     indices = np.concatenate([to[matrix.indices] for (matrix, _), to in zip(parts, lookup, strict=True)])
+
+    # Rows start elsewhere once they are put in order.
     counts = np.concatenate([np.diff(matrix.indptr) for matrix, _ in parts])
     starts = np.concatenate([[0], np.cumsum(counts)])[:-1]
     indptr = np.concatenate([[0], np.cumsum(counts[order])])
+
     # Entry k of the result comes from the row that its place belongs to, at the same offset within it.
     take = np.repeat(starts[order] - indptr[:-1], counts[order]) + np.arange(data.size)
     shape = (order.size, len(columns))

@@ -1,4 +1,4 @@
-"""Paths from the eye through a tree of rays: hits, the products of reflectances met, and numbers (step 2)."""
+"""Paths from the eye through a tree of rays: where they end, the reflectances they met, and numbers (step 2)."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from symrt.tracing.raytree import Branch, Film, Level
 
 Index = Int[np.ndarray, " entry"]
 Product = Callable[[Monomial, Monomial], Monomial]
-"""The product of a path and of what it meets next, further from the eye."""
+"""The product of the reflectances on a path and of those it meets next, further from the eye."""
 
 VANISHED = np.finfo(float).tiny
-"""Stands in bounds for a product of numbers that were not zero but underflowed to it."""
+"""A bound of products that underflowed to zero though none of their factors is zero."""
 
 
 def commuting(path: Monomial, met: Monomial) -> Monomial:
-    """A product of reflectances that commute: sorted, so that orders do not matter."""
+    """The product of reflectances that commute, sorted so that their order does not matter."""
     return tuple(sorted(path + met))
 
 
 def in_order(path: Monomial, met: Monomial) -> Monomial:
-    """A product in the order in which light meets the reflectances, from the light to the eye."""
+    """The product in the order in which light meets the reflectances, from the light to the eye."""
     return met + path
 
 
@@ -35,11 +35,13 @@ class Paths:
     Parameters
     ----------
     hit
-        Where each path ends, ascending; a hit that several products lead to stands several times.
+        The hit where each path ends, ascending; a hit that several products lead to stands several times.
     product
-        Index into `products`: the reflectances it met.
+        Index into `products` of the reflectances that each path met.
     coefficient
         Product of the numbers on the way.
+    products
+        Distinct products of reflectances.
     """
 
     hit: Int[np.ndarray, " path"]
@@ -48,10 +50,13 @@ class Paths:
     products: tuple[Monomial, ...]
 
     def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
-        """For each pair of a point and a path that leads to it: the point's place in `hit`, and the path."""
+        """Pairs of a point and a path that leads to it: the point's place in `hit`, and the path's index."""
+        # The paths to each point's hit stand together: their number, and the first of them.
         size = int(max(self.hit.max(initial=-1), hit.max(initial=-1))) + 1
         count = np.bincount(self.hit, minlength=size)[hit]
         first = np.searchsorted(self.hit, hit)
+
+        # Each point as often as it has paths, and the paths counted on from the first.
         which = np.repeat(np.arange(hit.size), count)
         within = np.arange(which.size) - np.repeat(np.cumsum(count) - count, count)
         return which, first[which] + within
@@ -69,7 +74,7 @@ def from_the_eye(level: Level, film: Film) -> Paths:
 
 @dataclass(frozen=True, eq=False)
 class Passing:
-    """What one term of a formula sends along the rays of a branch, from the paths that lead to where they leave.
+    """Paths continued along the rays of a branch by one term of a formula.
 
     Parameters
     ----------
@@ -80,7 +85,7 @@ class Passing:
     value
         The number that the continued path carries.
     vanished
-        Where the value is zero only because a product of numbers that are not zero underflowed.
+        True where the value is zero only because a product of numbers that are not zero underflowed.
     """
 
     met: Monomial
@@ -91,7 +96,7 @@ class Passing:
 
 
 def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Iterator[Passing]:
-    """All that a branch carries, by material and by term."""
+    """Continue paths along a branch, by material and by term."""
     for points in level.points:
         compiled = program.compiled[points.material][branch.via]
         if not compiled.terms:
@@ -116,7 +121,8 @@ def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Ite
 
 
 def continued(below: Level, parts: Sequence[Sequence[Passing]], paths: Paths, product: Product) -> Paths:
-    """The paths to the hits of the level below, from what each of its branches carries."""
+    """The paths to the hits of the level below, gathered from those continued along each of its branches."""
+    # Number hits along the branches, and products as they turn up; paths that carry nothing are dropped.
     numbered: dict[Monomial, int] = {}
     hit, number, coefficient = [], [], []
     first = 0
@@ -130,18 +136,21 @@ def continued(below: Level, parts: Sequence[Sequence[Passing]], paths: Paths, pr
         first += branch.size
     if not hit:
         return NOWHERE
+
+    # Sort paths by hit, those of one hit in the order in which they were found.
     order = np.argsort(np.concatenate(hit), kind="stable")
     hits, numbers, values = (np.concatenate(found)[order] for found in (hit, number, coefficient))
     return _merged(Paths(hits, numbers, values, tuple(numbered)))
 
 
 def _merged(paths: Paths) -> Paths:
-    """Add up paths that lead to one hit by one product: two terms would else double them at each bounce."""
+    """Add up paths that lead to one hit by one product, whose number would otherwise double at each bounce."""
     key = paths.hit * len(paths.products) + paths.product
     _, first, same = np.unique(key, return_index=True, return_inverse=True)
     if first.size == key.size:
         return paths
-    # In the order in which they were found, which no tile changes.
+
+    # Sums run in the order in which paths were found, which is the same in every tile.
     order = np.argsort(first)
     total = np.bincount(same, weights=paths.coefficient)[order]
     return Paths(paths.hit[first[order]], paths.product[first[order]], total, paths.products)

@@ -18,9 +18,9 @@ from symrt.linear.functions import function_of
 from symrt.reflection.symbols import ONE_MINUS, Factor, Kind, Lobe, lobe_value
 
 NEGLIGIBLE = 1e-9
-"""Terms that are less than this share of the pixel are counted and not shown."""
+"""Share of the pixel below which terms are counted and not shown."""
 MANY = 200
-"""Terms from which Python code sums them at once: a chain of additions is nested as deep as it is long."""
+"""Largest number of terms that Python code adds one by one: a chain of additions is nested as deep as it is long."""
 
 LOBE = '''
 
@@ -29,13 +29,13 @@ def lobe(cosine, exponent):
     return float((Decimal(exponent) * cosine.ln()).exp()) if exponent else 1.0
 '''
 
-Values = Mapping[str, float]
+LetterValues = Mapping[str, float]
 
 
 class _Sized:
-    """What text and LaTeX have in common: digits that are dropped, and terms that come largest first."""
+    """The common part of the text and LaTeX printers: digits are dropped, and the largest terms come first."""
 
-    def __init__(self, digits: int, values: Values, settings: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, digits: int, values: LetterValues, settings: Mapping[str, Any] | None = None) -> None:
         super().__init__(settings)  # type: ignore[call-arg]  # of the printer beside it
         self.digits, self.values = digits, values
 
@@ -58,7 +58,7 @@ class _Text(_Sized, StrPrinter):
 
 
 class _Tex(_Sized, LatexPrinter):
-    def __init__(self, digits: int, values: Values) -> None:
+    def __init__(self, digits: int, values: LetterValues) -> None:
         super().__init__(digits, values, {"mul_symbol": r"\,"})
 
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
@@ -85,8 +85,8 @@ class _Python(PythonCodePrinter):
     _print_Light = _print_Reflectance = _print_Factor = _print_Parameter = _print_Symbol  # noqa: N815 -- as above
 
 
-def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: Values | None = None) -> str:
-    """Plain text.
+def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: LetterValues | None = None) -> str:
+    """Print an expression as plain text.
 
     Examples
     --------
@@ -99,8 +99,8 @@ def text(expression: sympy.Expr, digits: int = 4, terms: int | None = None, valu
     return _sum(printer, shown) + (f" + … ({left_out})" if left_out else "")
 
 
-def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: Values | None = None) -> str:
-    r"""LaTeX source.
+def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None, values: LetterValues | None = None) -> str:
+    r"""Print an expression as LaTeX source.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def tex(expression: sympy.Expr, digits: int = 4, terms: int | None = None, value
 
 
 def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[str, float], name: str) -> str:
-    """The source of a Python function of the spectra; the letters of the geometry become numbers beside it.
+    """Print an expression as a Python function of the spectra, with the geometric letters as numbers above it.
 
     Examples
     --------
@@ -130,6 +130,8 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
     """
     if not name.isidentifier() or keyword.iskeyword(name):
         raise ValueError(f"{name!r} cannot be a function's name; give a Python identifier, such as 'pixel'")
+
+    # The letters of the geometry, and the function's arguments.
     names = _identifiers(expression, taken={name, "math", "Decimal", "lobe"})
     printer = _Python(names)
     letters = [
@@ -137,18 +139,22 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
         for letter, value in values.items()
         if Factor(letter) in names
     ]
-    arguments = ", ".join(names[s] for s in _in_order(expression, spectra))
+    arguments = ", ".join(names[s] for s in _arguments(expression, spectra))
+
+    # The sum that it returns, largest terms first.
     terms = [printer.doprint(term) for term in _largest_first(sympy.Add.make_args(expression), values)[0]]
     total = _joined(terms)
     if len(terms) > MANY:
         total = "math.fsum((\n        " + ",\n        ".join(terms) + ",\n    ))"
+
+    # Its imports, and the powers of cosines if there are any.
     lobes = bool(expression.atoms(Lobe))
     head = ["import math", *(["from decimal import Decimal"] if lobes else []), *([""] if letters else []), *letters]
     return "\n".join(head) + (f"\n{LOBE}" if lobes else "\n") + f"\n\ndef {name}({arguments}):\n    return {total}"
 
 
 def _python_value(letter: str, value: float) -> str:
-    """A letter's value; of a cosine that is raised to a power, every digit of its distance from 1."""
+    """A letter's value as code; a cosine that is raised to a power keeps every digit of its distance from 1."""
     return f"1 - Decimal({value!r})" if letter.startswith(ONE_MINUS) else repr(value)
 
 
@@ -160,14 +166,18 @@ def _joined(terms: Sequence[str]) -> str:
     return " + ".join(terms).replace(" + -", " - ")
 
 
-def _shown(expression: sympy.Expr, most: int | None, values: Values) -> tuple[list[sympy.Expr], str]:
-    """The terms of a sum that are shown, largest first, and what is said of the others."""
+def _shown(expression: sympy.Expr, most: int | None, values: LetterValues) -> tuple[list[sympy.Expr], str]:
+    """The terms of a sum that are shown, largest first, and words for the others; no words if there are none."""
     if most is not None and most < 1:
         raise ValueError(f"terms = {most}: at least one term is shown")
+
+    # Terms that are not negligible, and of these as many as are asked for.
     ordered, sizes = _largest_first(sympy.Add.make_args(expression), values)
     least = NEGLIGIBLE * sum(sizes)
     some = sum(size >= least for size in sizes)
     shown = ordered[: min(some, most or some)]
+
+    # The others are counted; only where all that matter are shown can they be called small.
     left_out = len(ordered) - len(shown)
     if not left_out:
         return shown, ""
@@ -175,8 +185,8 @@ def _shown(expression: sympy.Expr, most: int | None, values: Values) -> tuple[li
     return shown, terms if len(shown) < some else f"{terms} below {NEGLIGIBLE:g} of the pixel"
 
 
-def _largest_first(terms: Sequence[sympy.Expr], values: Values) -> tuple[list[sympy.Expr], list[float]]:
-    """Terms by their size where every spectrum is 1, of equal ones by their symbols' names, and the sizes.
+def _largest_first(terms: Sequence[sympy.Expr], values: LetterValues) -> tuple[list[sympy.Expr], list[float]]:
+    """Sort terms by their size where every spectrum is 1, equal ones by their symbols' names; with the sizes.
 
     SymPy's own order of terms takes seconds for thousands of symbols.
     """
@@ -187,8 +197,8 @@ def _largest_first(terms: Sequence[sympy.Expr], values: Values) -> tuple[list[sy
     return [terms[k] for k in order], [sizes[k] for k in order]
 
 
-def sizes_of(terms: Sequence[sympy.Expr], values: Values) -> list[float]:
-    """What terms are where every spectrum is 1 and letters have their values; 1 for a letter that has none.
+def sizes_of(terms: Sequence[sympy.Expr], values: LetterValues) -> list[float]:
+    """The value of each term where every spectrum is 1 and letters have their values, or 1 if they have none.
 
     Examples
     --------
@@ -200,12 +210,14 @@ def sizes_of(terms: Sequence[sympy.Expr], values: Values) -> list[float]:
     return [_size(term, values, known) for term in terms]
 
 
-def _size(expression: sympy.Expr, values: Values, known: dict[sympy.Expr, float]) -> float:
-    """The size of an expression, from those of its parts, which are kept: formulas nest as deep as mirrors do."""
+def _size(expression: sympy.Expr, values: LetterValues, known: dict[sympy.Expr, float]) -> float:
+    """The value of an expression, from those of its parts, which are kept: formulas nest as deep as mirrors do."""
     found = known.get(expression)
     if found is not None:
         return found
     parts = [_size(part, values, known) for part in expression.args]
+
+    # Sizes only sort terms: an overflow, or a power without a value, is no error here.
     with np.errstate(all="ignore"):
         if isinstance(expression, sympy.Symbol):
             found = float(values.get(expression.name, 1.0))
@@ -226,7 +238,7 @@ def _size(expression: sympy.Expr, values: Values, known: dict[sympy.Expr, float]
 
 
 def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -> list[Any]:
-    """The value of each term: products of powers are multiplied out here, only others are compiled.
+    """The value of each term; products of powers are multiplied out, and only other terms compiled.
 
     Examples
     --------
@@ -234,6 +246,7 @@ def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -
     >>> evaluated([3 * Light("sun") ** 2], {Light("sun"): 2.0})
     [12.0]
     """
+    # Products of whole powers of known leaves.
     found: list[Any] = [None] * len(terms)
     others = []
     for k, term in enumerate(terms):
@@ -245,6 +258,8 @@ def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -
             found[k] = product
         else:
             others.append(k)
+
+    # The other terms, compiled together.
     if others:
         compiled = function_of(leaves, [terms[k] for k in others], lobe_value)(*leaves.values())
         for k, value in zip(others, compiled, strict=True):
@@ -253,11 +268,13 @@ def evaluated(terms: Sequence[sympy.Expr], leaves: Mapping[sympy.Symbol, Any]) -
 
 
 def _order(term: sympy.Expr) -> list[tuple[Any, str, str]]:
+    """A key that sorts terms by the kinds, names and powers of their symbols."""
     powers = term.as_powers_dict().items()
     return sorted((base.class_key(), base.name, str(power)) for base, power in powers if isinstance(base, Kind))
 
 
-def _in_order(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:
+def _arguments(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:
+    """The free symbols other than geometric letters, in the order of `spectra`, and any others after them."""
     rank = {name: k for k, name in enumerate(spectra)}
     free = [s for s in expression.free_symbols if not isinstance(s, Factor)]
     return sorted(free, key=lambda s: (rank.get(s.name, len(rank)), s.class_key(), s.name))

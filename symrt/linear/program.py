@@ -1,4 +1,4 @@
-"""All materials of a scene compiled: what partial evaluation leaves to be run on the numbers of a tree (step 2)."""
+"""All materials of a scene compiled: the residue of partial evaluation, to be run on the numbers of a tree (step 2)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,12 +28,11 @@ class Program:
     signatures
         Model and parameters of each material, as text.
     nodes
-        Of the parameters that stayed free.
+        Nodes of the parameters that stayed free.
     brightest
-        Upper bounds of the materials' formulas that lights meet, ``direct`` and ``ambient``.
+        An upper bound, over all materials, of each formula that lights meet: ``direct`` and ``ambient``.
     sent
-        For each formula that further rays meet, and each material, its terms with the largest coefficients there can
-        be.
+        For each formula that further rays meet, and each material, its terms with upper bounds of their coefficients.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]

@@ -1,4 +1,4 @@
-"""What surfaces do: a model of reflection is its formulas (step 1)."""
+"""Models of reflection, each of them its formulas (step 1)."""
 
 from symrt.reflection.models import MODELS, Model, stack
 from symrt.reflection.symbols import (

@@ -44,16 +44,25 @@ ZERO = sympy.Integer(0)
 DOUBLE = 53
 """Binary digits of a float."""
 WORDS = {*GEOMETRY, "diffuse", "specular", "mirror"}
-"""What formulas are written in, by the names under which it is imported."""
+"""Names of the symbols that formulas are written in, as they are imported."""
 LIT = ("direct", "ambient")
 """The formulas that lights meet; the others meet what further rays bring."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """What a surface does with light, as formulas in reflectances, geometric factors and parameters.
+    """A model of reflection: formulas in reflectances, geometric factors and parameters.
 
     A formula that is not zero calls for its effect: ``reflected`` makes the tracer follow mirrored rays.
+
+    Parameters
+    ----------
+    direct
+        Radiance towards the viewer per unit irradiance on a surface that faces the light.
+    ambient
+        Radiance towards the viewer per unit radiance of an ambient light.
+    reflected
+        Share of the radiance from along the mirrored view that is sent on to the viewer.
 
     Raises
     ------
@@ -83,22 +92,22 @@ class Model:
 
     @cached_property
     def components(self) -> frozenset[str]:
-        """Reflectances that a material with this model has."""
+        """Names of the reflectances that a material with this model has."""
         return self._names(Reflectance)
 
     @cached_property
     def parameters(self) -> frozenset[str]:
-        """Scalars that a material with this model must give."""
+        """Names of the scalars that a material with this model must give."""
         return self._names(Parameter)
 
     @cached_property
     def factors(self) -> frozenset[str]:
-        """Geometric factors that the tracer must compute; no other is."""
+        """Names of the geometric factors that the tracer must compute; it computes no others."""
         return self._names(Factor)
 
     @cached_property
     def sending(self) -> frozenset[str]:
-        """The formulas by which the model sends on what further rays bring: those that are not zero."""
+        """Names of the formulas, other than zero, by which the model sends on the radiance of further rays."""
         return frozenset(name for name, formula in self.formulas.items() if name not in LIT and monomials(formula))
 
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
@@ -114,7 +123,7 @@ FORMULAS = tuple(field.name for field in fields(Model))
 
 
 def stack(models: Iterable[Model]) -> Model:
-    """One model that does what all of them do, each on the components it names.
+    """The sum of several models, formula by formula; components of one name are shared.
 
     Examples
     --------
@@ -139,6 +148,7 @@ def _as_expression(field: str, formula: object) -> sympy.Expr:
 
 
 def _check(field: str, formula: sympy.Expr) -> None:
+    # Functions and numbers must have real values, to the last bit of a float.
     if unknown := formula.atoms(AppliedUndef, type(sympy.I)):
         shown = ", ".join(sorted(map(str, unknown)))
         raise ValueError(f"{field} = {formula}: {shown} has no real value; write it in functions that SymPy knows")
@@ -147,6 +157,8 @@ def _check(field: str, formula: sympy.Expr) -> None:
             f"{field} = {formula}: {', '.join(short)} has fewer digits than a float, as NumPy's float32 has, and so "
             "has what is computed with it: write float(x)"
         )
+
+    # Symbols must be of a known kind, and factors computable where the formula is used.
     known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")}
     for symbol in sorted(formula.free_symbols, key=str):
         if type(symbol) is sympy.Symbol and symbol.name in WORDS:
@@ -163,6 +175,8 @@ def _check(field: str, formula: sympy.Expr) -> None:
             raise ValueError(f"{field} = {formula}: no tracer computes {symbol}; the factors are {', '.join(GEOMETRY)}")
         if isinstance(symbol, Factor) and field != "direct" and symbol.name not in VIEW:
             raise ValueError(f"{field} = {formula}: {symbol} needs a light; only n_dot_v is known here")
+
+    # The formula must be a polynomial in its reflectances.
     monomials(formula)
 
 

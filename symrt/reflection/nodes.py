@@ -9,6 +9,7 @@ import numpy as np
 from symrt.system import Nodes
 
 MOST = 32
+"""Largest number of nodes that are tried."""
 
 
 def choose_nodes(parameter: str, low: float | int, high: float | int, tolerance: float = 1e-6) -> Nodes:
@@ -45,6 +46,7 @@ def interpolation_error(nodes: Nodes) -> float:
     >>> interpolation_error(Nodes("brass.exponent", 5.0, 80.0, 12)) < 4e-6
     True
     """
+    # Eight exponents to each node, and cosines that lie closest together near 1, where powers change fastest.
     exponents = np.exp(np.linspace(np.log(nodes.low), np.log(nodes.high), 8 * nodes.count + 1))[1:-1]
     cosines = np.concatenate([[0.0], 1 - np.logspace(-6, 0, 400)[:-1], [1.0]])
     exact = cosines[:, None] ** exponents

@@ -15,12 +15,12 @@ Monomial = tuple[str, ...]
 
 
 def monomials(expression: sympy.Expr) -> dict[Monomial, sympy.Expr]:
-    """Coefficient of each product of reflectances, in the order of the monomials.
+    """The coefficient of each product of reflectances, in the order of the monomials.
 
     Raises
     ------
     ValueError
-        If the expression is not a polynomial in its reflectances; it names the symbol and shows the part at fault.
+        If the expression is not a polynomial in its reflectances, with the symbol and the part at fault.
 
     Examples
     --------
@@ -32,11 +32,15 @@ def monomials(expression: sympy.Expr) -> dict[Monomial, sympy.Expr]:
 
 
 def _split(expression: sympy.Expr) -> dict[Monomial, sympy.Expr]:
+    """The coefficients of an expression, by recursion over its tree; some may be zero."""
+    # A part without reflectances is a coefficient, kept whole.
     dynamic = expression.atoms(Reflectance, Light)
     if not dynamic:
         return {(): expression}
     if isinstance(expression, Reflectance | Light):
         return {(expression.name,): sympy.Integer(1)}
+
+    # Sums, products and whole powers of polynomials are polynomials; nothing else is taken apart.
     if expression.is_Add:
         return _sum([_split(term) for term in expression.args])
     if expression.is_Mul:

@@ -20,8 +20,9 @@ from symrt.errors import plain
 from symrt.symbols import halves
 
 ESCAPES = {"\\": r"\backslash ", "~": r"\sim ", "^": r"\hat{}", "<": r"{<}", **{c: f"\\{c}" for c in "_{}$%&#"}}
-"""Characters that LaTeX obeys, and how they are written so that they are seen."""
+"""Characters that LaTeX obeys, each with the LaTeX that shows it."""
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""A name that a symbol may have."""
 
 GEOMETRY = {
     "n_dot_l": ("n", "l"),
@@ -34,7 +35,7 @@ GEOMETRY = {
 """The geometric factors: cosines between normal n, light l, viewer v, half vector h and mirrored light r, all unit."""
 
 ONE_MINUS = "one_minus_"
-"""Before the name of a cosine: 1 − cosine, which keeps the digits that a cosine near 1 has lost."""
+"""Prefix of a cosine's name that means 1 − cosine, which keeps the digits that a cosine near 1 has lost."""
 
 VIEW = frozenset({"n_dot_v", "one_minus_n_dot_v"})
 """Factors that need no light: the only ones that `ambient` and `reflected` may use."""
@@ -46,7 +47,7 @@ class Kind(sympy.Symbol):
     rank: ClassVar[str] = ""
 
     def __new__(cls, name: str) -> "Kind":
-        """A symbol that stands for a number that is not negative."""
+        """Make a symbol for a number that is not negative."""
         return super().__new__(cls, name, nonnegative=True)
 
     def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, Any]]:
@@ -58,7 +59,7 @@ class Kind(sympy.Symbol):
         return 2, 0, cls.rank
 
     def _latex(self, _printer: Any) -> str:
-        # Names of one's own may hold anything; LaTeX, and MathJax in a notebook, obey none of it.
+        # A user's own names may hold anything; LaTeX, and MathJax in a notebook, obey none of it.
         material, component = halves("".join(ESCAPES.get(c, c) for c in plain(self.name)))
         return rf"\mathrm{{{material}}}" + (rf"_{{\mathrm{{{component}}}}}" if component else "")
 
@@ -70,13 +71,13 @@ class Light(Kind):
 
 
 class Reflectance(Kind):
-    """A component of a material, a spectrum: ``diffuse`` in a model, ``sea.diffuse`` once the model has a material."""
+    """The spectrum of a material's component: ``diffuse`` in a model, ``sea.diffuse`` in a material."""
 
     rank = "2 reflectance"
 
 
 class Factor(Kind):
-    """A number for each hit, known after tracing."""
+    """A geometric factor: a number for each hit, known after tracing."""
 
     rank = "3 factor"
 
@@ -93,7 +94,7 @@ class Parameter(Kind):
 
 
 class Lobe(sympy.Function):
-    """The power of a cosine, held as ``Lobe(1 - cosine, exponent)``: near its peak a cosine has no digits left.
+    """A power of a cosine, held as ``Lobe(1 - cosine, exponent)`` because a cosine near 1 has no digits left.
 
     Printed as cosine^exponent, evaluated as exp(s log1p(−(1 − cosine))).
     """
@@ -118,7 +119,7 @@ class Lobe(sympy.Function):
 
 
 def reflectance(name: str) -> Reflectance:
-    """A reflectance of one's own model.
+    """A reflectance for a user's own model.
 
     Examples
     --------
@@ -140,7 +141,7 @@ def parameter(name: str) -> Parameter:
 
 
 def lobe(cosine: sympy.Expr, exponent: object) -> sympy.Expr:
-    """A cosine to a power, exact to 2 ulp up to exponents of 1e7 where ``long double`` is wider than ``double``.
+    """A power of a cosine, exact to 2 ulp up to exponents of 1e7 where ``long double`` is wider than ``double``.
 
     Examples
     --------
@@ -185,7 +186,7 @@ def lobe_value(one_minus_cosine: float | int, exponent: float | int) -> float:
 
 
 def checked_name(name: object) -> str:
-    """The name itself, if it may stand for a symbol."""
+    """The name itself, if a symbol may have it."""
     if not isinstance(name, str) or NAME.fullmatch(name) is None:
         raise ValueError(f"{name!r} is not a name: a letter, then letters, digits and underscores")
     return name

@@ -1,4 +1,4 @@
-"""Looking and playing: plots, tables, the demo, and what is written to files."""
+"""Looking and playing: plots, tables, the demo, the explorer, and the files they are written to."""
 
 from importlib import import_module
 from typing import Any

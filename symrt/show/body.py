@@ -1,4 +1,4 @@
-"""The body of a gamut in three components: what Figure 1 of the paper draws its segments in (step 4)."""
+"""The body of a gamut in three components, in which Figure 1 of the paper draws its segments (step 4)."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from symrt.gamut.slabs import Gamut, device_gamut
 from symrt.gamut.views import Polyhedron, Shadow, convex_solid
 
 FLAT = 1e-9
-"""A body so much thinner than long is flat: its prints differ there by less than they are known."""
+"""Ratio of thickness to length below which a body is flat: prints differ there by less than they are known."""
 MIXTURES = "shadow (projection) of all mixtures of its prints"
 
 Components = tuple[int, int, int]
@@ -31,9 +31,9 @@ class Body:
     vectors
         The three components that it is seen in.
     solid
-        What it is there.
+        Its shape in these components.
     what
-        Which solid it is, in words.
+        A description in words.
     """
 
     vectors: Float[np.ndarray, "3 band"]
@@ -42,7 +42,7 @@ class Body:
 
 
 def body_of(gamut: AnyGamut | AnyIntersection | SlabGamut, components: Components = (0, 1, 2)) -> Body:
-    """The solid to draw a gamut as: its shadow, or that of what it is made of.
+    """The solid that a gamut is drawn as: its shadow, or that of the prints or bounds it consists of.
 
     Raises
     ------
@@ -62,14 +62,17 @@ def body_of(gamut: AnyGamut | AnyIntersection | SlabGamut, components: Component
     if isinstance(gamut, Gamut):
         shadow, what = gamut.shadow(components), "the gamut"
     elif isinstance(gamut, HullGamut | InkGamut):
+        # The hull of points: these gamuts have no slabs whose shadow could be taken.
         vectors = device_gamut(gamut.device, "envelope").shadow(components).vectors
         solid = _mixtures(gamut, vectors, components)
         near = f"(being within {gamut.tolerance:g} RMS of one is being inside)"
         mixed = "(not all of them can be printed)"
         return Body(vectors, solid, f"{MIXTURES} {near if isinstance(gamut, HullGamut) else mixed}")
     elif isinstance(gamut, ColorimetricGamut):
+        # Colours alone bound no spectra.
         shadow, what = device_gamut(gamut.device, "envelope").shadow(components), "its device's envelope"
     elif isinstance(gamut, SlabIntersection) and all(isinstance(part, Gamut) for part in gamut.parts):
+        # Devices have bases of their own: the first one's serves for all.
         vectors = device_gamut(gamut.devices[0], "envelope").shadow(components).vectors
         shadow, what = Shadow(vectors, *shared_bounds(gamut)), "what the gamuts share"
     else:
@@ -77,11 +80,12 @@ def body_of(gamut: AnyGamut | AnyIntersection | SlabGamut, components: Component
             f"{gamut.name}: it has no body among spectra to draw segments in; draw them in a printer's unit, envelope, "
             "hull, inks or colorimetric gamut"
         )
+
     return Body(shadow.vectors, shadow.polyhedron(), f"shadow (projection) of {what}")
 
 
 def _mixtures(gamut: HullGamut | InkGamut, vectors: Float[np.ndarray, "3 band"], components: Components) -> Polyhedron:
-    """All mixtures of prints, unless they lie in a plane there."""
+    """The solid of all mixtures of prints; prints that lie in a plane there are refused."""
     places = gamut.device.samples @ vectors.T
     sizes = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
     if len(sizes) < len(vectors) or sizes[-1] <= FLAT * sizes[0]:
@@ -93,7 +97,7 @@ def _mixtures(gamut: HullGamut | InkGamut, vectors: Float[np.ndarray, "3 band"],
 
 
 def shared_bounds(gamut: SlabIntersection) -> tuple[Spectrum, Spectrum]:
-    """The lower and the upper bound of each band in several gamuts that bound bands."""
+    """The lower and the upper bound of each band in an intersection of gamuts that bound bands."""
     slabs = gamut.slabs
     single = slabs.bands >= 0
     lower, upper = np.empty(len(gamut.bands)), np.empty(len(gamut.bands))

@@ -1,6 +1,6 @@
 """The paper's Figures 1, 2 and 3 in files, with the table of ranges, one pixel's formula, the times and a page of all.
 
-Every file names what it is measured against; what is modelled is called so.
+Every file names its reference, and tells modelled data from measured.
 """
 
 import os
@@ -28,7 +28,7 @@ SPAN = f"{WITHIN[0]:.2f} … {WITHIN[1]:.2f}"
 
 @dataclass(frozen=True)
 class Product:
-    """A file that the demo wrote, and what it shows."""
+    """A file that the demo wrote, and its caption."""
 
     path: Path
     caption: str
@@ -37,16 +37,16 @@ class Product:
 def write_demo(
     out: str | Path, scene: Scene, palettes: Mapping[str, Palette], progress: bool = True
 ) -> tuple[Product, ...]:
-    """Render a scene, ask everything, and write pictures, tables and a page that shows them into a folder.
+    """Study a scene, and write pictures, tables and a page that shows them into a folder.
 
     Parameters
     ----------
     out
-        The folder; it is made if need be.
+        The folder, which is made if it does not exist.
     palettes
-        The first one in RGB and the first one in wavelengths are used.
+        The scene's palettes, of which the first in RGB and the first in wavelengths are used.
     progress
-        Whether a bar is shown on standard error once it has taken a second.
+        True to show a bar on standard error after a second.
     """
     out, start = Path(out), time.perf_counter()
     out.mkdir(parents=True, exist_ok=True)
@@ -61,17 +61,23 @@ def write_demo(
 
 def _pictures(found: Study) -> Iterator[File]:
     """Figures 1, 2 and 3, and the ranges as a figure."""
+    # Figure 1: the gamut with the materials' segments.
     light = next(iter(found.system.white))
     body = gamut_figure(found.gamut, found.spectral, materials(found.system), light=light, within=WITHIN)
     what = f"{found.gamut.name}: its shadow in 3 of {len(found.gamut.bands)} components"
     yield "figure-1.png", f"{what}, with each material scaled by {SPAN} (a) and blended with each other (b)", png(body)
+
+    # Figure 2: one render under two palettes.
     for letter, (name, image) in zip("ab", found.images.items(), strict=True):
         over = f"{clipped(image):.2%} of the pixels are beyond the screen's range"
         once = "the scene, rendered once," if letter == "a" else "the same render"
         what = f"{once} under palette {name} in {len(image.bands)} bands"
         yield f"figure-2{letter}.png", f"{what}; reference {light}, exposure 1; {over}", png_bytes(image)
+
+    # Figure 3: all scales fitted.
     for name, fitted in found.fits.items():
         yield f"{name}.png", _fit_caption(fitted), png_bytes(shade(found.system, fitted.palette))
+
     drawn = ranges_figure(found.ranges, found.system, found.spectral, found.gamut)
     yield "ranges.png", "feasible ranges, one parameter at a time, and the spectrum that stops each", png(drawn)
 
@@ -102,11 +108,14 @@ def _ranges_text(found: Study) -> str:
 
 
 def _formula_text(found: Study) -> str:
+    """The pixel's formula before and after the collapse, in three notations, and its distance from the shaded pixel."""
     x, y = found.pixel
     lines = [f"Pixel ({x}, {y}): column {x} from the left, row {y} from the top."]
     for title, formula in (("Before the collapse", found.before), ("After the collapse", found.after)):
         for form, text in (("text", str(formula)), ("LaTeX", formula.latex()), ("Python", formula.code())):
             lines += [f"\n{title}, as {form}:\n", text]
+
+    # Both formulas are checked against the shaded pixel.
     spectral = found.spectral
     values = [np.asarray(f.evaluate({s: spectral[s] for s in f.symbols})) for f in (found.before, found.after)]
     shaded = list(found.images.values())[1].values[y, x]
@@ -116,9 +125,12 @@ def _formula_text(found: Study) -> str:
 
 
 def _times(found: Study, total: float) -> str:
+    """The time of each step in seconds, under the size of the problem and the machine."""
     rgb, spectral = found.images.values()
     one = [answer.seconds for answer in found.ranges]
     size = f"{found.system.width} × {found.system.height} pixels, {found.system.G.nnz} coefficients"
+
+    # Threads work at once, so that their seconds add up to more than have elapsed.
     rows = {
         "trace (sum over threads)": found.system.seconds["trace"],
         "collapse (sum over threads)": found.system.seconds["collapse"],

@@ -1,4 +1,4 @@
-"""One offline page that shows what the demo wrote: pictures beside it, texts inside, nothing from elsewhere."""
+"""One offline page of the demo's products: pictures from files beside it, texts inside, nothing from elsewhere."""
 
 import html
 import re
@@ -14,11 +14,11 @@ pre { overflow-x: auto; background: #f4f5f7; padding: 1rem; font-size: .8rem }
 """
 
 File = tuple[str, str, str | bytes]
-"""A file's name, what it shows, and what is in it."""
+"""A file's name, its caption, and its content."""
 
 
 def page(files: Iterable[File]) -> str:
-    """A page of pictures and texts, each given by its name, its caption and, for a text, what it says.
+    """A page of pictures and texts, with a heading and a caption for each file.
 
     Examples
     --------
@@ -38,7 +38,7 @@ def page(files: Iterable[File]) -> str:
 
 
 def _figure(name: str) -> str:
-    """What a file is a part of: figure-3a.png and figure-3b.png of figure-3."""
+    """The figure that a file is a part of: figure-3, for figure-3a.png and figure-3b.png."""
     found = re.match(r"figure-\d+", name)
     return found[0] if found else name
 

@@ -1,4 +1,4 @@
-"""Line segments in a gamut: what Figure 1 of the paper draws, between its steps 4 and 5.
+"""Line segments in a gamut, as drawn in Figure 1 of the paper, between its steps 4 and 5.
 
 A perfect white that faces the reference light has reflectance 1, and a material in its place has its own reflectance r.
 Scaling the material moves it along ``t r``, blending two moves it along ``(1 − t) a + t b``: lines through the gamut,
@@ -26,7 +26,7 @@ from symrt.spectra.reference import Reference
 from symrt.symbols import Symbol, named
 
 CHUNK = 8
-"""Segments that are looked along at a time."""
+"""Number of segments that are clipped at a time."""
 
 Span = tuple[Number, Number]
 Stop = tuple[str | None, str | None]
@@ -44,14 +44,14 @@ class Segment:
     origin, direction
         Reflectances.
     within
-        The values of t looked at.
+        The range of t.
     inside
-        Those of them that the gamut holds, in rising order: one interval at most if it is convex.
+        The intervals of t inside the gamut, in rising order: at most one if the gamut is convex.
     stops
-        What ends each interval below and above: a band or another bound of the gamut.  None where `within` ends, or
-        the gamut has no bounds to name.
+        The bounds that end each interval below and above, a band or another bound of the gamut.  None where `within`
+        ends, or the gamut has no bounds to name.
     colours
-        In encoded sRGB, at t = 0 and t = 1; one colour for a scaled material.
+        Colours in encoded sRGB at t = 0 and t = 1; a scaled material has the same twice.
 
     Examples
     --------
@@ -75,21 +75,21 @@ class Segment:
 
     @property
     def outside(self) -> tuple[Span, ...]:
-        """The rest of `within`."""
+        """The intervals of t outside the gamut."""
         ends = (self.within[0], *(end for span in self.inside for end in span), self.within[1])
         return tuple((low, high) for low, high in list(pairwise(ends))[::2] if low < high)
 
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """How the materials of a palette lie in a gamut.
+    """The segments of a palette's materials in a gamut.
 
     Parameters
     ----------
     light
         The reference light.
     scaled, blended
-        A segment for each material, and one for each two.
+        A segment for each material, and one for each pair.
     """
 
     gamut: AnyGamut | AnyIntersection
@@ -114,20 +114,20 @@ def segments_of(
     Parameters
     ----------
     palette
-        Gives each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
+        Source of each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
     materials
-        Which ones; all that have a diffuse reflectance if not given.
+        Names of materials; all that have a diffuse reflectance if not given.
     light
-        One of the palette's, the first that shines if not given, or ``"equal-energy"`` or an illuminant.
+        A light of the palette, the first that shines if not given, or ``"equal-energy"`` or an illuminant.
     within
-        The scales looked at.
+        The range of the scales.
     progress
-        Whether a bar shows how far it is, if it takes more than a second, as with what inks print.
+        True to show a bar after a second, as gamuts of inks need.
 
     Raises
     ------
     ValueError
-        If there is no such light, no such material, or none at all, or the range or the exposure is none.
+        If the light or a material does not exist, no material is left, or the range or the exposure is not valid.
 
     Examples
     --------
@@ -141,9 +141,12 @@ def segments_of(
     """
     shining = {name: palette[name] for name in palette.lights if palette[name].any()}
     white = white_among(shining, light, palette.bands)
+
+    # The materials to scale and to blend, and the settings, checked.
     names = list(diffuse_materials(palette) if materials is None else materials)
     if not names:
         raise ValueError("no material has a diffuse reflectance: there is no segment to clip")
+
     seen, within = Reference(light, exposure), checked_range(Scale(names[0]), within)
     return Segments(
         gamut,
@@ -175,14 +178,14 @@ def scale_segments(
     exposure: Number = 1.0,
     progress: bool = True,
 ) -> tuple[Segment, ...]:
-    """The segment ``t r`` of each material's diffuse reflectance.
+    """The segment ``t r`` of each material's diffuse reflectance r.
 
     Parameters
     ----------
     white
         Radiance of the reference white, which the colours are seen against.
     within
-        The scales looked at.
+        The range of the scales.
 
     Examples
     --------
@@ -211,7 +214,7 @@ def blend_segments(
     exposure: Number = 1.0,
     progress: bool = True,
 ) -> tuple[Segment, ...]:
-    """The segment from each material to each other one, t from 0 to 1.
+    """The segment between each two materials, t from 0 to 1.
 
     Examples
     --------
@@ -244,13 +247,16 @@ def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "m
 def _parts(
     gamut: ConvexGamut | UnevenGamut, origin: Spectra, direction: Spectra, within: Span, progress: bool
 ) -> list[tuple[tuple[Span, ...], tuple[Stop, ...]]]:
-    """Of each line the intervals inside, and what ends them."""
+    """The intervals of each line inside a gamut, and the bounds that end them."""
+    # A gamut that is not convex may hold several intervals, whose ends have no name.
     if isinstance(gamut, UnevenGamut):
         starts = tqdm(
             range(0, len(origin), CHUNK), desc="segments", unit="chunk", delay=1, leave=False, disable=not progress
         )
         parts = [gamut.clip(origin[k : k + CHUNK], direction[k : k + CHUNK], within) for k in starts]
         return [(tuple(line), ((None, None),) * len(line)) for part in parts for line in part]
+
+    # A convex one holds one interval, which is empty where it would end before it begins.
     interval = clip(gamut, origin, direction)
     low, high = np.maximum(interval.low, within[0]), np.minimum(interval.high, within[1])
     below, above = (_stopped(gamut, origin, direction, ends) for ends in (interval.low, interval.high))
@@ -263,7 +269,7 @@ def _parts(
 def _stopped(
     gamut: ConvexGamut, origin: Spectra, direction: Spectra, ends: Float[np.ndarray, " segment"]
 ) -> list[str | None]:
-    """The bound that each line meets at its end: of those that it crosses, the nearest."""
+    """The bound that each line meets at its end: the nearest of those that it crosses."""
     if not isinstance(gamut, SlabGamut):
         return [None] * len(ends)
     slabs, known = gamut.slabs, np.isfinite(ends)

@@ -1,4 +1,4 @@
-"""A convex solid on paper: an orthographic view of it, its facets and where labels go (for Figure 1 of the paper)."""
+"""A convex solid on paper: an orthographic view, its facets, and places for labels (for Figure 1 of the paper)."""
 
 import math
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ class View:
     Parameters
     ----------
     azimuth
-        Of the viewer, in degrees from c1 towards c2.
+        Direction of the viewer, in degrees from c1 towards c2.
     elevation
-        Of the viewer, in degrees above c0 = 0.
+        Height of the viewer, in degrees above c0 = 0.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class View:
 
     @property
     def light(self) -> Float[np.ndarray, "3"]:
-        """Unit vector to the lamp that models the solid: from above the viewer's left shoulder."""
+        """Unit vector to the lamp that shades the solid, above the viewer's left shoulder."""
         a = np.radians(self.azimuth - 35)
         return np.array([0.6, 0.8 * np.cos(a), 0.8 * np.sin(a)])
 
@@ -55,14 +55,14 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Facet:
-    """A flat side of a solid: its corners in order round it, and its unit normal outwards."""
+    """A flat side of a solid: its corners in order round it, and its outward unit normal."""
 
     corners: Float[np.ndarray, "corner 3"]
     normal: Float[np.ndarray, "3"]
 
 
 def facets(solid: Polyhedron) -> list[Facet]:
-    """The sides of a solid: triangles that no true edge divides are one side.
+    """The sides of a solid, each joined from triangles that no true edge divides.
 
     Examples
     --------
@@ -92,9 +92,9 @@ def spread(
     Parameters
     ----------
     wanted, gap
-        In any one unit.
+        Positions and their least distance, in any one unit.
     room
-        Where they must lie; where it is too small for them all, they are equally spaced in it, nearer than `gap`.
+        The interval that holds all positions; if it is too small, they are equally spaced in it, nearer than `gap`.
 
     Examples
     --------
@@ -103,10 +103,13 @@ def spread(
     >>> spread(np.array([0.0, 0.2, 5.0]), 1.0, (0.0, 4.0)).tolist()
     [0.0, 1.0, 4.0]
     """
+    # Without the gaps, labels in order only have to stay in order.
     low, high = room
     gap = min(gap, (high - low) / max(1, len(wanted) - 1))
     order = np.argsort(wanted, kind="stable")
     free = wanted[order] - gap * np.arange(len(wanted))
+
+    # Pool neighbours that are out of order, as mean and count.
     pools: list[tuple[float, int]] = []
     for value in free.tolist():
         mean, count = value, 1
@@ -114,6 +117,7 @@ def spread(
             before, size = pools.pop()
             mean, count = (before * size + mean * count) / (size + count), size + count
         pools.append((mean, count))
+
     placed = np.empty(len(wanted))
     level = np.repeat([mean for mean, _ in pools], [count for _, count in pools]) if pools else np.empty(0)
     # Bounded isotonic regression is the unbounded one, clipped.
@@ -122,13 +126,16 @@ def spread(
 
 
 def _sides(solid: Polyhedron) -> Int[np.ndarray, " face"]:
-    """For each triangle the number of the side it lies in."""
+    """The number of the side that each triangle lies in."""
+    # A number for each edge of each triangle, and for each true edge of the solid.
     pairs = np.sort(solid.faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
     owner = np.repeat(np.arange(len(solid.faces)), 3)
     size = len(solid.vertices)
     key, true = pairs[:, 0] * size + pairs[:, 1], np.sort(solid.edges, axis=1) @ np.array([size, 1])
+
+    # In a closed solid each edge has two triangles: they are linked where it is no true edge.
     order = np.argsort(key, kind="stable")
-    first, second = order[::2], order[1::2]  # in a closed solid each edge has two triangles
+    first, second = order[::2], order[1::2]
     inner = ~np.isin(key[first], true)
     count = len(solid.faces)
     links = sparse.coo_array((inner[inner], (owner[first[inner]], owner[second[inner]])), shape=(count, count))
@@ -136,6 +143,7 @@ def _sides(solid: Polyhedron) -> Int[np.ndarray, " face"]:
 
 
 def _facet(corners: Float[np.ndarray, "corner 3"], normal: Float[np.ndarray, "3"]) -> Facet:
+    """A side from its corners, which are put in order of their angle round the middle."""
     normal = normal / np.linalg.norm(normal)
     spokes = corners - corners.mean(axis=0)
     along = spokes[0] / np.linalg.norm(spokes[0])
@@ -150,5 +158,5 @@ def outline(sides: list[Facet], view: View) -> Float[np.ndarray, "corner 2"]:
 
 
 def facing(sides: list[Facet], view: View) -> Bool[np.ndarray, " facet"]:
-    """Which sides the viewer sees from outside."""
+    """True for each side that the viewer sees from outside."""
     return np.array([side.normal @ view.towards > 0 for side in sides])

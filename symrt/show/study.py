@@ -1,4 +1,4 @@
-"""Everything that the demo finds out before it draws: steps 1 to 5 of the paper on one scene, rendered once."""
+"""The demo's results before they are drawn: steps 1 to 5 of the paper on one scene, rendered once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,25 +25,27 @@ FITS: dict[str, dict[str, Any]] = {
     "figure-3a-black": {"objective": "darkest", "black": "luminance"},
     "figure-3b": {"objective": "lightest", "black": "clip"},
 }
-"""The paper's Figure 3; its darkest picture also with the device's black respected."""
+"""The fits of the paper's Figure 3; its darkest picture also with the device's black respected."""
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What one scene answers.
+    """The results of all five steps for one scene.
 
     Parameters
     ----------
     palettes
-        The one in RGB, then the one in wavelengths.
+        The palette in RGB, then the one in wavelengths.
     images
-        The same system shaded with each.
+        The same system shaded with each palette.
     ranges
         Feasible ranges, one parameter at a time, without the physical cap.
     fits
-        Several scales at once, by the name of the figure that shows them.
+        Fits of all scales at once, by the name of the figure that shows them.
     pixel
-        Column and row of the pixel whose formula is shown, before and after the collapse.
+        Column and row of the pixel whose formula is shown.
+    before, after
+        Its formula before and after the collapse.
     """
 
     system: LinearSystem
@@ -63,18 +65,20 @@ class Study:
 
 
 def study(scene: Scene, palettes: Mapping[str, Palette], progress: bool = True) -> Study:
-    """Render a scene once, and ask everything.
+    """Render a scene once, shade it, and find its ranges, fits and formulas.
 
     Parameters
     ----------
     palettes
-        The first one in RGB and the first one in wavelengths are used.
+        The scene's palettes, of which the first in RGB and the first in wavelengths are used.
     progress
-        Whether a bar is shown on standard error once it has taken a second.
+        True to show a bar on standard error after a second.
     """
     chosen = _two_palettes(palettes)
     spectral = list(chosen.values())[1]
     gamut = device_gamut(load_device(DEVICE, spectral.bands), "envelope")
+
+    # Steps 1 to 3 once, then each question of step 5.
     with tqdm(total=4, desc="demo", unit="step", delay=1, leave=False, disable=not progress) as bar:
         system = render(scene, progress=progress)
         bar.update()
@@ -87,13 +91,15 @@ def study(scene: Scene, palettes: Mapping[str, Palette], progress: bool = True) 
             name: fit(system, spectral, gamut, scales, within=WITHIN, cap=False, **ask) for name, ask in FITS.items()
         }
         bar.update()
+
+    # One pixel's formula.
     x, y = telling_pixel(system)
     before, after = formula(scene, x, y), formula(system, x, y)
     return Study(system, chosen, gamut, images, ranges, fits, (x, y), before, after)
 
 
 def materials(system: LinearSystem) -> tuple[str, ...]:
-    """The materials that some pixel depends on.
+    """Names of the materials that some pixel depends on.
 
     Examples
     --------
@@ -130,6 +136,7 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
 
 
 def _two_palettes(palettes: Mapping[str, Palette]) -> dict[str, Palette]:
+    """The first palette in RGB and the first in wavelengths."""
     kinds = ("rgb", "wavelength")
     found = [next((name for name, p in palettes.items() if p.bands.kind == kind), None) for kind in kinds]
     if None in found:
@@ -141,7 +148,7 @@ def _two_palettes(palettes: Mapping[str, Palette]) -> dict[str, Palette]:
 
 
 def _parameters(system: LinearSystem, palette: Palette) -> list[Scale | Blend]:
-    """Every material's and light's scale, and one blend: of the two unlike spectra of one model, dark to light."""
+    """The scale of every material and light, and one blend: of the two most unlike spectra of one model."""
     names = materials(system)
     lights = [name for name in system.symbols if name in system.lights]
     diffuse = {name: palette[s] for name in names if (s := named(name, "diffuse")) in palette}

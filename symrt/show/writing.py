@@ -1,4 +1,4 @@
-"""Results on their way out: records as JSON, figures and files, each whole or not at all."""
+"""Write results: records as JSON, and figures as files, each whole or not at all."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ from symrt.disk import write_whole
 
 
 def json_text(record: Any) -> str:
-    """A record for a program to read; numbers that are not finite are refused.
+    """A record as JSON; numbers that are not finite are refused.
 
     Examples
     --------

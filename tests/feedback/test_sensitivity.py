@@ -11,7 +11,7 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.gamuts import device_gamut
-from symrt.show.tables import feasible_record
+from symrt.show.records import feasible_record
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.symbols import Symbol

@@ -1,4 +1,4 @@
-"""A picture on its way into a gamut: by one means after another, or pixel by pixel (step 5 of the paper)."""
+"""Figures of a picture that is brought into a gamut, by one means after another or pixel by pixel (step 5)."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -31,25 +31,25 @@ from symrt.spectra.viewing import linear_rgb
 from symrt.system import LinearSystem
 
 WIDTH, PICTURE, BARS, ROW = 13.0, 3.4, 1.6, 0.42
-"""Inches: of the figure, of a picture in it, of one criterion's bars across, and the height of one means' row."""
+"""Inches: width of the figure, of a picture in it, of one criterion's bars, and height of one means' row."""
 LETTERS = 24
-"""In a line of a means."""
+"""Letters in a line of a means' name."""
 
 
 @literal
 def adapted_figure(
     found: Adapted, system: LinearSystem, palette: Palette, reference: Reference | None = None
 ) -> Drawing:
-    """The picture given, the one accepted, and what each means tried reached of the three criteria.
+    """The picture given, the one accepted, and the values of the three criteria that each means tried reached.
 
-    If none was accepted, the picture of the last means is shown, and called that.
+    If none was accepted, the picture of the last means is shown, and named so.
 
     Parameters
     ----------
     found
-        From `adapt`, of this system and palette.
+        The result of `adapt` for this system and palette.
     reference
-        The white and the exposure that it was asked with.
+        The white and the exposure given to `adapt`.
 
     Examples
     --------
@@ -63,6 +63,7 @@ def adapted_figure(
     >>> adapted_figure(found, system, palette).get_suptitle()
     'Into the gamut by the simplest means: reached'
     """
+    # The figure's width follows from the longest name of a means.
     reference = as_asked(reference)
     last = found.accepted or found.steps[-1]
     names = [wrapped(step.means, LETTERS) for step in found.steps]
@@ -70,8 +71,11 @@ def adapted_figure(
     width = left + 3 * BARS + 0.55
     figure = Drawing(figsize=(width, _height(system, ROW * len(found.steps))), facecolor="white")
     headline(figure, f"Into the gamut by the simplest means: {found.verdict}")
+
+    # The pictures, the bars and the caption.
     after = shade(system, last.palette) if last.mapped is None else last.mapped
-    _draw_before_and_after(figure, system, palette, reference, after, f"{_name(found)}: {last.means}")
+    name = "accepted" if found.accepted else "not accepted"
+    _draw_before_and_after(figure, system, palette, reference, after, f"{name}: {last.means}")
     _draw_steps(figure, found, left, names)
     text = (
         f"Asked: {found.criteria} (vertical lines). Green: met; vermilion: lacking. Inside: share of the object "
@@ -83,14 +87,14 @@ def adapted_figure(
 
 @literal
 def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
-    """The picture given, the one whose pixels were moved, and how far each moved.
+    """The picture given, the one whose pixels were moved, and the distance that each moved.
 
     Parameters
     ----------
     found
-        From `map_pixels`, of this system and palette.
+        The result of `map_pixels` for this system and palette.
     reference
-        The white and the exposure that it was asked with.
+        The white and the exposure given to `map_pixels`.
 
     Examples
     --------
@@ -103,10 +107,13 @@ def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, referen
     >>> mapped_figure(map_pixels(system, palette, device_gamut(device, "envelope")), system, palette).get_suptitle()
     'Pixels moved into the gamut one by one: 50.0%'
     """
+    # The picture before and after.
     reference = as_asked(reference)
     figure = Drawing(figsize=(WIDTH, _height(system, 0.0)), facecolor="white")
     headline(figure, f"Pixels moved into the gamut one by one: {found.share:.1%}")
     _draw_before_and_after(figure, system, palette, reference, found.image, "moved")
+
+    # The distances, with a colour bar; where nothing moved, its scale ends at 1 and not at 0.
     colours = {"cmap": "magma", "vmin": 0, "vmax": found.moved.max() or 1.0}
     place = (0.55 + 2 * PICTURE, 0.8, PICTURE, _tall(system))
     axes = picture_panel(figure, place, found.moved, "how far each moved", **colours)
@@ -114,15 +121,12 @@ def mapped_figure(found: Mapped, system: LinearSystem, palette: Palette, referen
     bar = figure.colorbar(axes.images[0], cax=figure.add_axes((box.x1 + 0.012, box.y0, 0.012, box.height)))
     bar.set_label("RMS change of reflectance", fontsize=9)
     bar.outline.set_visible(False)
+
     text = (
         f"{found.share:.2%} of the object pixels moved, by at most {found.moved.max():.3g} RMS; against {found.note}."
     )
     caption(figure, wrapped(text, 185))
     return figure
-
-
-def _name(found: Adapted) -> str:
-    return "accepted" if found.accepted else "not accepted"
 
 
 def _tall(system: LinearSystem) -> float:
@@ -143,7 +147,8 @@ def _draw_before_and_after(
 
 
 def _draw_steps(figure: Drawing, found: Adapted, left: float, names: Sequence[str]) -> None:
-    """Three panels of bars, a row for each means; the first begins so many inches from the left."""
+    """Draw three panels of bars, a row for each means; the first panel begins `left` inches from the left."""
+    # The label, name, values and bound of each criterion.
     asked = found.criteria
     panels = (
         ("inside, %", "inside", [100 * step.inside for step in found.steps], 100 * asked.least_inside),
@@ -155,6 +160,8 @@ def _draw_steps(figure: Drawing, found: Adapted, left: float, names: Sequence[st
             None if asked.least_lightness is None else 100 * asked.least_lightness,
         ),
     )
+
+    # The panels side by side; the names of the means stand beside the first.
     (width, height), count = figure.get_size_inches(), len(found.steps)
     body = ROW * count
     for k, (label, criterion, values, bound) in enumerate(panels):
@@ -168,12 +175,15 @@ def _draw_steps(figure: Drawing, found: Adapted, left: float, names: Sequence[st
 def _draw_bars(
     axes: Axes, values: Sequence[float], lacking: Sequence[bool], bound: float | int | None, label: str
 ) -> None:
+    """Draw a bar for each value, in the colour of its verdict, and the bound as a dashed line."""
     axes.barh(range(len(values)), values, height=0.55, color=[ABOVE if short else FEASIBLE for short in lacking])
     for row, value in enumerate(values):
         at: dict[str, Any] = {"xytext": (3, 0), "textcoords": "offset points", "va": "center"}
         axes.annotate(f"{value:.3g}", (value, row), fontsize=7.5, **at, **NAME)
     if bound is not None:
         axes.axvline(bound, color=INK, lw=0.9, ls=(0, (3, 2)))
+
+    # The axis begins at 0, and ends where the longest bar leaves room for its value.
     right = 1.3 * max([*values, bound or 0.0, 1e-9])
     axes.set(xlim=(0, right), ylim=(len(values) - 0.5, -0.5))
     # Steps of 1, 2, 2.5 and 5 make three ticks at least, and the longest of four still stand apart.

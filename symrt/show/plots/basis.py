@@ -1,4 +1,4 @@
-"""How many basis spectra a device needs, drawn: errors in reflectance and in colour against their number (step 4)."""
+"""Errors of a device's spectral basis in reflectance and in colour, against the number of its spectra (step 4)."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from symrt.gamut.accuracy import BasisReport
 from symrt.show.plots.style import ABOVE, BELOW, GREY, HAIR, Drawing, caption, headline, literal, wrapped
 
 FLOOR = 1e-5
-"""Errors smaller than this are rounding, and not drawn."""
+"""Size below which errors are rounding, and not drawn."""
 
 Errors = Float[np.ndarray, " component"]
 Curve = tuple[str, Errors, Errors]
@@ -43,13 +43,17 @@ def basis_figure(report: BasisReport) -> Drawing:
 
 
 def _draw(axes: Axes, title: str, curves: Sequence[Curve]) -> None:
+    """Draw pairs of curves, the constant component first or plain; all pairs but the last are dashed."""
     for row, (which, first, plain) in enumerate(curves):
         for words, errors, colour in (("constant first", first, BELOW), ("plain", plain, ABOVE)):
             shown = np.flatnonzero(errors > FLOOR)
             line = "-" if row == len(curves) - 1 else (0, (3, 2))
             axes.plot(shown + 1, errors[shown], color=colour, lw=1.3, ls=line, marker="o", ms=3, label=which + words)
+
+    # A logarithmic axis from below the least error drawn.
     least = min(float(errors[errors > FLOOR].min(initial=1.0)) for _, *both in curves for errors in both)
     axes.set(yscale="log", xlim=(0, None), ylim=(least / 2, None))
+
     axes.set_title(title, loc="left", fontsize=10)
     axes.set_xlabel("components kept", fontsize=9, color=GREY)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

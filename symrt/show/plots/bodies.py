@@ -1,4 +1,4 @@
-"""A gamut of any model, drawn as what it is: a body of spectra, prints, or a solid of colours (step 4 of the paper)."""
+"""Figures of gamuts of any model: a body of spectra, prints, or a solid of colours (step 4 of the paper)."""
 
 import numpy as np
 from jaxtyping import Float
@@ -23,15 +23,16 @@ from symrt.spectra.display import display_matrix, encode
 from symrt.spectra.library import spectrum
 
 PIECES = 12
-"""Parts into which each side of a triangle of colours is cut, to be bent into L*a*b*."""
+"""Number of parts into which each side of a triangle of colours is cut, to be bent into L*a*b*."""
 CHROMAS = (40, 80, 120)
+"""Chromas at which circles are drawn."""
 
 Colours = Float[np.ndarray, "point 3"]
 
 
 @literal
 def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
-    """A gamut in two panels, whatever its model.
+    """A gamut of any model in two panels.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def body_figure(gamut: AnyGamut | AnyIntersection) -> Drawing:
 
 @literal
 def intersection_figure(gamut: SlabIntersection) -> Drawing:
-    """The shadow of what lies within the bounds of several devices, and that of the first of them alone."""
+    """The shadow of an intersection of gamuts, and that of the first of them alone."""
     first = gamut.devices[0]
     shared, own = body_of(gamut), body_of(gamut.parts[0])
     paper = Paper(View(), shared.vectors)
@@ -76,16 +77,21 @@ def intersection_figure(gamut: SlabIntersection) -> Drawing:
 @literal
 def prints_figure(gamut: HullGamut | InkGamut) -> Drawing:
     """The prints of a device in three components, alone and in the shadow of its envelope."""
+    # The prints, and the two solids they are drawn in.
     device = gamut.device
     whole, mixed = body_of(device_gamut(device, "envelope")), body_of(gamut).solid
     paper, shadow = Paper(View(), whole.vectors), whole.solid
     places = device.samples @ paper.vectors.T
+
+    # A panel for each solid, with a dot for each print.
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, f"Prints, 3 of {len(device.bands)} components: {gamut.name}")
     colours = encode(device.samples @ display_matrix(device.bands, np.ones(len(device.bands))))
     for side, solid in enumerate((mixed, shadow)):
         axes = panel(figure, solid, paper, side)
         _dot(axes, places, paper.view, colours)
+
+    # Titles and caption.
     share = mixed.volume / shadow.volume
     panel_title(figure.axes[0], "a", f"{len(places)} prints, and all mixtures of them: volume {mixed.volume:.3g}")
     panel_title(
@@ -111,25 +117,32 @@ def colours_figure(gamut: ColorimetricGamut | MonitorGamut) -> Drawing:
     ValueError
         If the device shows RGB, whose colours are the cube.
     """
+    # Cut the solid's triangles into small ones, and bend these into L*a*b*.
     xyz, white, codes = _corners(gamut)
     solid = convex_solid(xyz)
     triangles = _cut(solid.vertices[solid.faces])
-    # L*a*b* depends on ratios to the white alone: any white will do that they are brought to.
+    # L*a*b* depends on ratios to the white only, so that any white serves once colours are scaled to it.
     bent = lab(triangles / white * tristimulus(VISIBLE, "illuminant/E").sum(axis=0), "illuminant/E")
     own = encode(triangles.mean(axis=1) @ np.linalg.lstsq(xyz, codes, rcond=None)[0])
     most = 20 * np.ceil(1.05 * np.abs(bent[:, :, 1:]).max() / 20)
+
+    # The solid from the side and from above.
     figure = Drawing(figsize=(12.0, 6.6), facecolor="white")
     headline(figure, f"Colours: {gamut.name}")
     side, above = figure.add_axes((0.06, 0.19, 0.4, 0.64)), figure.add_axes((0.55, 0.19, 0.4, 0.64))
     _draw_colours(side, bent[:, :, [1, 0]], -bent[:, :, 2], own)
     _draw_colours(above, bent[:, :, 1:], bent[:, :, 0], own)
     _ring(above, most)
+
+    # The same scale of a* in both panels.
     side.axvline(0, color=HAIR, lw=0.6, zorder=0)
     side.set(xlim=(-most, most), ylim=(0, 103), xlabel="a*", ylabel="L*")
     above.set(xlim=(-most, most), ylim=(-most, most), xlabel="a*", ylabel="b*", aspect="equal")
     ticks = np.arange(-most + most % 40, most, 40)
     side.set(xticks=ticks, yticks=range(0, 101, 20))
     above.set(xticks=ticks, yticks=ticks)
+
+    # Titles and caption.
     size = f"{_size(triangles, bent):,.0f}"
     for axes, letter, text in (
         (side, "a", f"From the blue side; {size} cubic units of L*a*b*"),
@@ -144,13 +157,14 @@ def colours_figure(gamut: ColorimetricGamut | MonitorGamut) -> Drawing:
 
 
 def _dot(axes: Axes, places: Colours, view: View, colours: Colours) -> None:
+    """Draw prints as dots in their own colours, the nearer above the farther."""
     order = np.argsort(places @ view.towards)
     x, y = view.project(places[order]).T
     axes.scatter(x, y, s=11, c=colours[order], edgecolors=INK, linewidths=0.25, zorder=4)
 
 
 def _corners(gamut: ColorimetricGamut | MonitorGamut) -> tuple[Colours, Float[np.ndarray, "3"], Colours]:
-    """XYZ of the colours at the corners, of the white, and the corners' linear sRGB beside that white."""
+    """XYZ of the colours at the corners and of the white, and the corners' linear sRGB against that white."""
     if isinstance(gamut, MonitorGamut):
         if gamut.bands.kind == "rgb":
             raise ValueError(f"{gamut.name}: images in RGB fill the cube of its drive values; there is nothing to draw")
@@ -168,7 +182,7 @@ def _draw_colours(
     nearness: Float[np.ndarray, "piece 3"],
     own: Float[np.ndarray, "piece 3"],
 ) -> None:
-    """Small triangles in their own colours, the nearer above the farther."""
+    """Draw small triangles in their own colours, the nearer above the farther."""
     order = np.argsort(nearness.mean(axis=1))
     axes.add_collection(
         PolyCollection(list(places[order]), facecolors=own[order], edgecolors=own[order], linewidths=0.5, zorder=2)
@@ -176,7 +190,7 @@ def _draw_colours(
 
 
 def _ring(axes: Axes, most: float) -> None:
-    """Circles of chroma, and the axes of a* and b*."""
+    """Draw circles of chroma, and the axes of a* and b*."""
     turn = np.linspace(0, 2 * np.pi, 181)
     for chroma in CHROMAS:
         if chroma < most:
@@ -187,7 +201,7 @@ def _ring(axes: Axes, most: float) -> None:
 
 
 def _size(xyz: Float[np.ndarray, "piece 3 3"], bent: Float[np.ndarray, "piece 3 3"]) -> float:
-    """Volume in L*a*b* of a convex solid of XYZ: bending keeps what is outwards outwards."""
+    """The volume in L*a*b* of a convex solid of XYZ; bending leaves outward sides outward."""
     outwards = np.sign(np.linalg.det(xyz - xyz.reshape(-1, 3).mean(axis=0)))
     return float(abs((outwards * np.linalg.det(bent)).sum()) / 6)
 

@@ -1,4 +1,4 @@
-"""What a gamut says about an image: feasible ranges and why, pixels outside, shares (step 5 of the paper)."""
+"""Figures of an image in a gamut: feasible ranges with their reasons, pixels outside, shares (step 5 of the paper)."""
 
 import math
 from collections.abc import Sequence
@@ -40,17 +40,17 @@ from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
 REST = "#8fcfb9"
-"""The same green, paler: feasible for the rest of the image only."""
+"""Pale green for values that are feasible for the rest of the image only."""
 PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 LETTERS = 25
-"""In a line of a parameter's name."""
+"""Letters in a line of a parameter's name."""
 Mask = Bool[np.ndarray, "height width"]
 MOST = 4000
-"""Pixels that a hull, or inks, are asked about for a map."""
+"""Largest number of pixels that are tested against a hull, or inks, for a map."""
 ROW = 0.62
 """Height of one parameter's row in inches."""
 LEAST = 0.01
-"""Where the logarithmic axis of ranges from 0 begins."""
+"""Beginning of the logarithmic axis for ranges from 0."""
 
 
 @literal
@@ -62,11 +62,14 @@ def ranges_figure(
     reference: Reference | None = None,
 ) -> Drawing:
     """Feasible ranges as bars, and beside each the spectrum of the pixel that stops it, against the gamut's bound."""
+    # The figure's height follows from its rows and its caption.
     asked = limits(system, palette, gamut, reference)
     text = wrapped(_ranges_words(ranges, asked), 175)
     height = ROW * len(ranges) + caption_height(text) + 1.4
     figure = Drawing(figsize=(12.0, height), facecolor="white")
     headline(figure, f"Feasible ranges: {gamut.model}")
+
+    # Bars on the left, and beside each its spectrum and reason.
     foot, body = (caption_height(text) + 0.65) / height, ROW * len(ranges) / height
     bars = figure.add_axes((0.17, foot, 0.36, body))
     _draw_bars(bars, ranges)
@@ -74,6 +77,7 @@ def ranges_figure(
         top = foot + body * (1 - row / len(ranges))
         axes = figure.add_axes((0.56, top - 0.9 * body / len(ranges), 0.13, 0.8 * body / len(ranges)))
         _draw_reason(figure, axes, found, _binding(found, asked, system, palette, reference), asked)
+
     caption(figure, text)
     return figure
 
@@ -93,6 +97,8 @@ def _ranges_words(ranges: Sequence[Feasible], asked: Limits) -> str:
 
 
 def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
+    """Draw the ranges looked at as lines, and the feasible intervals on them as bars, on a logarithmic axis."""
+    # Values of 0 are drawn at the axis' end, since they have no logarithm.
     rows = np.arange(len(ranges))
     low, high = min(found.within[0] for found in ranges), max(found.within[1] for found in ranges)
     left = max(low, LEAST)
@@ -104,10 +110,14 @@ def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
             colour = FEASIBLE if found.verdict == "complete" else REST
             begin, end = max(a, left), max(b, left)
             axes.barh(row, end - begin, left=begin, height=0.5, color=colour, zorder=2)
+
+        # The upper end in figures.
         value = f"{intervals[-1][1]:.3g}" if intervals else "no pixel is inside" if found.intervals else "none"
         place: dict[str, Any] = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "bbox": PLATE}
         at = max(intervals[-1][1], left) if intervals else first
         axes.annotate(value, (at, row), fontsize=8.5, color=INK, zorder=4, **place)
+
+    # The axes, with a name for each row.
     axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=3)
     axes.set(xscale="log", xlim=(left, 1.35 * high), ylim=(len(ranges) - 0.5, -0.5))
     axes.set_yticks(rows, [wrapped(str(found.parameter), LETTERS) for found in ranges], fontsize=9)
@@ -121,7 +131,7 @@ def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
 def _binding(
     found: Feasible, asked: Limits, system: LinearSystem, palette: Palette, reference: Reference | None = None
 ) -> Spectrum | None:
-    """Reflectance of the pixel that stops the range above, if one does; 0 where the reference does not light it."""
+    """The reflectance of the pixel that stops a range above, if one does; 0 where the reference does not light it."""
     reason = found.reasons[-1][1] if found.reasons else None
     if reason is None or reason.x is None or reason.y is None or found.none_inside:
         return None
@@ -134,12 +144,13 @@ def _binding(
 
 
 def _band_by_band(asked: Limits) -> Bool[np.ndarray, " slab"]:
-    """The slabs that bound a single band from above: a hull has none, nor has a solid of colours."""
+    """True for slabs that bound a single band from above; a hull has none, nor has a solid of colours."""
     return (asked.upper.bands >= 0) & np.isfinite(asked.upper.upper)
 
 
 def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum | None, asked: Limits) -> None:
-    """The spectrum that stops the range, small, and the reason in words."""
+    """Draw the spectrum that stops a range, small, and write the reason beside it."""
+    # The reason in words.
     box = axes.get_position()
     reason = found.reasons[-1][1] if found.reasons else None
     left_out = len(found.untouched_outside) + len(found.unfixable)
@@ -155,6 +166,8 @@ def _draw_reason(figure: Figure, axes: Axes, found: Feasible, spectrum: Spectrum
         "linespacing": 1.3,
     }
     figure.text(s=f"{words}\n{more}", color=INK, **text)
+
+    # The spectrum against the gamut's bounds, with a dot at the band that stops it.
     axes.set_axis_off()
     if spectrum is None or reason is None:
         return
@@ -172,18 +185,23 @@ def out_of_gamut_map(
     system: LinearSystem, palette: Palette, gamut: ConvexGamut | InkGamut, reference: Reference | None = None
 ) -> Drawing:
     """The picture in grey, with the pixels that are outside the gamut, and those darker than its black, in colour."""
+    # Colour the picture.
     asked = limits(system, palette, gamut, reference)
     exposure = reference.exposure if reference else 1.0
     bright, dark, side = _outside(system, palette, asked)
     picture = _grey(preview(system, palette, exposure))
     for mask, colour in ((bright, ABOVE), (dark, BELOW)):
         picture[mask] = 0.35 * picture[mask] + 0.65 * np.array(to_rgb(colour))
+
+    # Draw it in its own proportions.
     shape = system.width / system.height
     figure = Drawing(figsize=(7.2, 6.9 / shape + 1.3), facecolor="white")
     axes = figure.add_axes((0.02, 0.75 / figure.get_figheight(), 0.96, 1 - 1.3 / figure.get_figheight()))
     axes.imshow(picture, interpolation="nearest")
     axes.set_axis_off()
     headline(figure, "Pixels outside the gamut")
+
+    # Shares of the object pixels, of which there may be none.
     objects = max(1, int(system.object_pixels.sum()))
     labels = [
         f"{name}: {mask.sum() / objects:.2%}" for name, mask in (("outside", bright), ("darker than black", dark))
@@ -197,11 +215,13 @@ def out_of_gamut_map(
 
 @literal
 def curve_figure(found: Feasible) -> Drawing:
-    """The share of pixels outside the gamut against the value of a parameter, and the range that keeps it allowed."""
+    """The share of pixels outside the gamut against the value of a parameter, and the range where it is allowed."""
     text = wrapped(f"{_curve_words(found)} Against {found.note}.", 115)
     foot = caption_height(text) + 0.62
     figure = Drawing(figsize=(8.0, foot + 3.36), facecolor="white")
     axes = figure.add_axes((0.1, foot / (foot + 3.36), 0.86, 2.76 / (foot + 3.36)))
+
+    # The curve over the range.
     low, high = found.within
     inner = found.curve.values[(found.curve.values > low) & (found.curve.values < high)]
     # On both sides of each step, so that the drawn line has its corners where the steps are.
@@ -228,17 +248,21 @@ def _curve_words(found: Feasible) -> str:
 
 
 def _outside(system: LinearSystem, palette: Palette, asked: Limits) -> tuple[Mask, Mask, int]:
-    """Pixels that are outside, those that are darker than the device's black, and the side of the blocks asked about.
+    """Pixels that are outside, those darker than the device's black, and the side of the blocks tested.
 
-    A hull or inks must be asked pixel by pixel: of each block one pixel answers for all that are light enough.
+    Hulls and inks are tested pixel by pixel, so that one pixel of each block stands for all that are light enough.
     """
+    # Pixels darker than black need no test of a solid.
     line, objects = along_ends(system, palette, {}), np.flatnonzero(system.object_pixels)
     darker = darker_than_black(line, asked, objects, 1.0)
     pixels = objects[~darker] if asked.solids else objects
+
+    # One pixel of each block, where a test takes long.
     slow = any(solid.bound is None for solid in asked.solids)
     side = max(1, math.ceil(math.sqrt(len(pixels) / MOST))) if slow else 1
     y, x = np.divmod(pixels, system.width)
     _, first, block = np.unique(y // side * system.width + x // side, return_index=True, return_inverse=True)
+
     outside = np.zeros((2, system.height * system.width), dtype=bool)
     outside[0, pixels] = ~inside_all(line, asked, pixels[first], 1.0)[block]
     outside[1, objects[darker]] = True
@@ -247,5 +271,6 @@ def _outside(system: LinearSystem, palette: Palette, asked: Limits) -> tuple[Mas
 
 
 def _grey(codes: UInt8[np.ndarray, "height width 3"]) -> Float[np.ndarray, "height width 3"]:
+    """A picture in grey, and lighter, so that colours stand out on it."""
     grey = codes.astype(float).mean(axis=-1, keepdims=True) / 255
     return np.repeat(0.25 + 0.75 * grey, 3, axis=-1)

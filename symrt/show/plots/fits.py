@@ -1,4 +1,4 @@
-"""What a fit did: the picture before and after, each scale's factor, and what stopped it (step 5 of the paper)."""
+"""The figure of a fit: the picture before and after, each scale's factor, and the reason that stopped it (step 5)."""
 
 import math
 from typing import Any
@@ -16,21 +16,21 @@ from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
 PICTURE, BARS, REASONS, ROW = 3.4, 1.75, 2.95, 0.52
-"""Inches: of a picture, of the bars and of the reasons across, and the height of one scale's row."""
+"""Inches: width of a picture, of the bars and of the reasons, and height of one scale's row."""
 LETTERS = 46
-"""In a line of a reason."""
+"""Letters in a line of a reason."""
 
 
 @literal
 def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Reference | None = None) -> Drawing:
-    """The picture given and the one that was fitted, against the same white, and the factor of every scale.
+    """The picture given and the fitted one, against the same white, and the factor of every scale.
 
     Parameters
     ----------
     found
-        From `fit`, of this system and palette.
+        The result of `fit` for this system and palette.
     reference
-        The white and the exposure that it was asked with.
+        The white and the exposure given to `fit`.
 
     Examples
     --------
@@ -44,6 +44,7 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
     >>> fit_figure(found, system, palette).get_suptitle()
     'The lexicographic picture inside the gamut'
     """
+    # The figure's size follows from the picture's proportions, the number of scales and their longest name.
     reference = as_asked(reference)
     white = reference.white(system, palette)
     tall = min(PICTURE, PICTURE * system.height / system.width)
@@ -54,12 +55,17 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
     width = left + BARS + REASONS
     figure = Drawing(figsize=(width, height), facecolor="white")
     headline(figure, f"The {found.objective} picture inside the gamut")
+
+    # The picture before and after.
     for k, (name, colours) in enumerate((("given", palette), ("fitted", found.palette))):
         shown = preview(system, colours, reference.exposure, white=white)
         picture_panel(figure, (0.25 + k * (PICTURE + 0.15), 0.8, PICTURE, tall), shown, name)
+
+    # A bar for each scale, with its reason beside it.
     bars = figure.add_axes((left / width, (height - 0.8 - body) / height, BARS / width, body / height))
     _draw_factors(bars, found, names)
     _write_reasons(figure, bars, found)
+
     text = (
         f"Bars: factors of the scales (dashed: as given), and what stopped them. {found.share_out:.2%} of the object "
         f"pixels are outside ({found.verdict}), and {found.luminance:.1%} of the mean luminance is kept. "
@@ -70,6 +76,8 @@ def fit_figure(found: Fit, system: LinearSystem, palette: Palette, reference: Re
 
 
 def _draw_factors(axes: Axes, found: Fit, names: list[str]) -> None:
+    """Draw each factor as a bar from 1, on a logarithmic axis."""
+    # A factor of 0 is drawn at the axis' end, since it has no logarithm.
     left = max(found.within[0], 0.01)
     for row, value in enumerate(found.values.values()):
         shown = max(value, left)
@@ -77,10 +85,13 @@ def _draw_factors(axes: Axes, found: Fit, names: list[str]) -> None:
         axes.barh(row, abs(shown - 1), left=min(shown, 1.0), height=0.45, color=colour, zorder=2)
         axes.plot(shown, row, marker="|", ms=12, color=INK, zorder=3)
     axes.axvline(1.0, color=INK, lw=0.8, ls=(0, (2, 2)), zorder=1)
+
+    # Limits round all factors; a short axis has ticks between the powers of ten.
     span = [*(max(value, left) for value in found.values.values()), 0.8, 1.25]
     axes.set(xscale="log", xlim=(min(span) / 1.2, 1.2 * max(span)), ylim=(len(found.values) - 0.5, -0.5))
     long = math.log10(max(span) / min(span)) > 1
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if long else (1.0, 2.0, 5.0)))
+
     axes.set_yticks(range(len(names)), names, fontsize=9)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -91,7 +102,7 @@ def _draw_factors(axes: Axes, found: Fit, names: list[str]) -> None:
 
 
 def _write_reasons(figure: Figure, axes: Axes, found: Fit) -> None:
-    """What stopped each scale, beside its bar."""
+    """Write the reason that stopped each scale beside its bar."""
     box, count = axes.get_position(), len(found.values)
     for row, name in enumerate(found.values):
         y = box.y1 - (row + 0.5) * box.height / count

@@ -1,7 +1,7 @@
 """The gamut and the segments of materials in it: Figure 1 of the paper.
 
-The body is a shadow, so that what is inside is drawn inside it, but for a hull's tolerance; what is inside was decided
-by the whole gamut, whatever three components are drawn.
+The body is a shadow, so that spectra inside the gamut are drawn inside it, but for a hull's tolerance.  Segments are
+clipped by the whole gamut, whatever three components are drawn.
 """
 
 import math
@@ -33,19 +33,19 @@ from symrt.show.plots.style import (
     literal,
     wrapped,
 )
+from symrt.show.records import inside_proves
 from symrt.show.segments import Segment, Segments, Span, segments_of
 from symrt.show.solid import View, facets, spread
-from symrt.show.tables import inside_proves
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 
 STEPS = 32
-"""Pieces that a segment is drawn in, each in its own colour."""
+"""Number of pieces in which a segment is drawn, each in its own colour."""
 LEADER: dict[str, Any] = {"arrowstyle": "-", "color": HAIR, "lw": 0.6, "shrinkA": 2, "shrinkB": 3}
 GIVEN: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "mec": INK, "mew": 0.9}
-"""How the reflectance that the palette gives is marked."""
+"""Style of the mark at the reflectance that the palette gives."""
 LEGEND, SYMBOL = 0.04, 0.225
-"""Shares of the figure's height: of the legend, and below which the small axes stand between the panels."""
+"""Shares of the figure's height: of the legend, and up to the top of the small axes between the panels."""
 
 Points = Float[np.ndarray, "point 2"]
 Place = tuple[float, float]
@@ -67,18 +67,18 @@ def gamut_figure(
     Parameters
     ----------
     gamut
-        A printer's, of any model, or what several share: `body_of` says which body is drawn.
+        A printer's gamut of any model, or an intersection of several; `body_of` gives the body that is drawn.
     palette
-        Gives each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
+        Source of each material's diffuse reflectance: that of a surface which faces the reference light, unshadowed.
     materials
-        Which ones; all that have a diffuse reflectance if not given.
+        Names of materials; all that have a diffuse reflectance if not given.
     light
-        The reference light, which colours are seen under: one of the palette's, the first that shines if not given,
+        The reference light, under which colours are seen: a light of the palette, the first that shines if not given,
         or ``"equal-energy"`` or an illuminant.
     within
-        The scales looked at.
+        The range of the scales.
     components
-        Which three coordinates are drawn, the first upright; (0, 1, 2) has the neutral axis upright, as in the paper.
+        The three coordinates drawn, the first upright; (0, 1, 2) has the neutral axis upright, as in the paper.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def gamut_figure(
 
 @literal
 def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2)) -> Drawing:
-    """Segments that have been found already, in three components: see `gamut_figure`.
+    """Segments drawn in a gamut's body in three components, as in `gamut_figure`.
 
     Examples
     --------
@@ -106,6 +106,7 @@ def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2
     >>> segments_figure(segments_of(gamut, palette), (1, 2, 3)).axes[0].texts[-1].get_text()
     "Each material's reflectance, scaled by 0.01 … 3.00"
     """
+    # The gamut's body in both panels.
     body = body_of(found.gamut, components)
     figure = Drawing(figsize=(12.0, 7.2), facecolor="white")
     headline(figure, _title(found.gamut))
@@ -113,15 +114,21 @@ def segments_figure(found: Segments, components: tuple[int, int, int] = (0, 1, 2
     foot = _segments_caption(found, body.what, components)
     legend = max(0.095, caption_height(foot) / figure.get_figheight())
     left, right = (panel(figure, body.solid, paper, side) for side in (0, 1))
+
+    # Scaled materials on the left, blended ones on the right.
     for axes, segments, width in ((left, found.scaled, 3.4), (right, found.blended, 2.0)):
         # The shorter lie above the longer, so that none is hidden behind another of nearly its direction.
         for order, segment in enumerate(sorted(segments, key=lambda one: -_length(one, paper))):
             _draw_segment(axes, segment, paper, width, 4 + order / 1000)
+
+    # The materials as given, and names.
     given = [(segment.names[0], _place(segment, 1.0, paper)) for segment in found.scaled]
     for axes in (left, right):
         axes.plot([x for _, (x, _) in given], [y for _, (_, y) in given], **GIVEN, zorder=5)
     _label(left, [_scale_label(segment, paper) for segment in found.scaled], (legend + LEGEND, SYMBOL))
     _label(right, given, (SYMBOL, 0.0))
+
+    # Titles, the small axes between the panels, and the foot.
     panel_title(left, "a", _scales_title(found.scaled))
     panel_title(right, "b", _blends_title(found.blended))
     draw_directions(figure.add_axes((0.455, 0.10, 0.09, 0.13)), paper)
@@ -173,7 +180,7 @@ def _inside_text(gamut: AnyGamut | AnyIntersection) -> str:
 
 
 def device_text(device: Device) -> str:
-    """What a device is, and what about it is not measured."""
+    """A sentence on a device: its title, "measured" if it is not modelled, and its extrapolated bands."""
     bands = [label for label, guessed in zip(device.bands.labels, device.extrapolated, strict=True) if guessed]
     guessed = f"; extrapolated at {', '.join(bands)}" if bands else ""
     how = "" if device.modelled else ", measured"
@@ -181,6 +188,7 @@ def device_text(device: Device) -> str:
 
 
 def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, order: float) -> None:
+    """Draw the parts inside as bands in the segment's colours, rimmed with ink, and the parts outside dashed."""
     for part in segment.inside:
         points, colours = _pieces(segment, part, paper)
         axes.plot(*points.T, color=INK, lw=width + 1.1, solid_capstyle="round", zorder=order)
@@ -196,11 +204,12 @@ def _draw_segment(axes: Axes, segment: Segment, paper: Paper, width: float, orde
 
 
 def _length(segment: Segment, paper: Paper) -> float:
-    """Of what is inside, on paper."""
+    """The length on paper of a segment's parts inside."""
     return math.fsum(math.dist(*(_place(segment, t, paper) for t in part)) for part in segment.inside)
 
 
 def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[np.ndarray, "piece 3"]]:
+    """The ends of a part's pieces on paper, and the colour of each piece."""
     t = np.linspace(*part, STEPS + 1)
     points = paper(segment.origin + t[:, None] * segment.direction)
     share = (t[1:, None] + t[:-1, None]) / 2 if len(segment.names) == 2 else np.zeros((STEPS, 1))
@@ -208,6 +217,7 @@ def _pieces(segment: Segment, part: Span, paper: Paper) -> tuple[Points, Float[n
 
 
 def _scale_label(segment: Segment, paper: Paper) -> tuple[str, Place]:
+    """A scaled material's name with the scales inside, and the point that the label belongs to."""
     name, first = segment.names[0], segment.within[0]
     if not segment.inside:
         return f"{name}: none", _place(segment, 1.0, paper)
@@ -223,7 +233,7 @@ def _place(segment: Segment, t: Number, paper: Paper) -> Place:
 
 
 def _label(axes: Axes, labels: list[tuple[str, Place]], floors: tuple[float, float]) -> None:
-    """Names in a column at either side, each joined to its point by a thin line.
+    """Write names in a column at either side, each joined to its point by a thin line.
 
     `floors` are shares of the figure's height, above which the left and the right column stay.
     """
@@ -241,7 +251,7 @@ def _label(axes: Axes, labels: list[tuple[str, Place]], floors: tuple[float, flo
 
 
 def _shown(point: Place, axes: Axes) -> Place:
-    """A point, or where the way to it from black leaves the panel."""
+    """A point, or the place where the line to it from black leaves the panel."""
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     place = np.array(point)
     reach = np.divide(np.where(place > 0, high, low), place, out=np.full(2, np.inf), where=place != 0)

@@ -16,9 +16,9 @@ from symrt.show.solid import Facet, View, facets, facing, outline
 
 BODY, BODY_LIT = np.array([0.74, 0.79, 0.87]), np.array([0.965, 0.975, 0.99])
 WIDE = 1.42
-"""Half the width of a panel, of the body's: room for names at either side."""
+"""Width of a panel as a multiple of the body's, with room for names at either side."""
 TALL = 1.2
-"""Height of a panel, of the body's, at least."""
+"""Least height of a panel as a multiple of the body's."""
 
 Points = Float[np.ndarray, "point 2"]
 Picture = Shaped[np.ndarray, "height width *channel"]
@@ -26,19 +26,19 @@ Picture = Shaped[np.ndarray, "height width *channel"]
 
 @dataclass(frozen=True, eq=False)
 class Paper:
-    """From spectra to positions on paper: three coordinates, then a view of them."""
+    """A map from spectra to positions on paper: three coordinates, then a view of them."""
 
     view: View
     vectors: Float[np.ndarray, "3 band"]
     components: tuple[int, int, int] = (0, 1, 2)
 
     def __call__(self, spectra: Float[np.ndarray, "point band"]) -> Points:
-        """Where spectra are drawn."""
+        """Positions of spectra on paper."""
         return self.view.project(spectra @ self.vectors.T)
 
 
 def panel(figure: Figure, solid: Polyhedron, paper: Paper, side: int) -> Axes:
-    """A solid on one half of a figure, with its upright axis."""
+    """Draw a solid on one half of a figure, with its upright axis."""
     axes, sides = figure.add_axes((0.5 * side, 0.14, 0.5, 0.74)), facets(solid)
     _draw_body(axes, sides, paper.view)
     _frame(axes, figure, outline(sides, paper.view))
@@ -48,7 +48,7 @@ def panel(figure: Figure, solid: Polyhedron, paper: Paper, side: int) -> Axes:
 
 
 def _draw_body(axes: Axes, sides: list[Facet], view: View) -> None:
-    """The translucent solid: its far sides, and its near sides as a veil; segments keep their own colour above both."""
+    """Draw a translucent solid: far sides, and near sides as a veil; segments keep their own colour above both."""
     near = facing(sides, view)
     for is_near, order, veil, hair in ((False, 1.0, 1.0, 0.10), (True, 1.5, 0.10, 0.13)):
         shown = [side for side, seen in zip(sides, near, strict=True) if seen == is_near]
@@ -63,7 +63,7 @@ def _draw_body(axes: Axes, sides: list[Facet], view: View) -> None:
 
 
 def _frame(axes: Axes, figure: Figure, contour: Points) -> None:
-    """The same unit across and up, the body in the lower middle, with room beside it for names."""
+    """Set the same unit across and up, and the body in the lower middle, with room beside it for names."""
     low, high = contour.min(axis=0), contour.max(axis=0)
     half = (high - low) / 2
     box = axes.get_position()
@@ -79,7 +79,7 @@ def _frame(axes: Axes, figure: Figure, contour: Points) -> None:
 
 
 def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> None:
-    """The first coordinate with its whole numbers; along the neutral axis black is at 0 and white at √K."""
+    """Draw the first coordinate with its whole numbers; on the neutral axis black is at 0 and white at √K."""
     ticks = np.arange(math.ceil(bottom), math.floor(top) + 1)
     points = paper.view.project(np.array([[t, 0.0, 0.0] for t in (bottom, *ticks, top)]))
     axes.plot(points[[0, -1], 0], points[[0, -1], 1], color=INK, lw=0.8, zorder=2)
@@ -92,7 +92,7 @@ def _draw_upright_axis(axes: Axes, paper: Paper, bottom: float, top: float) -> N
 
 
 def draw_directions(axes: Axes, paper: Paper) -> None:
-    """One unit along each coordinate."""
+    """Draw one unit along each coordinate."""
     tips = paper.view.project(np.eye(3))
     for name, tip in zip(map(component, paper.components), tips, strict=True):
         arrow = {"arrowstyle": "-|>,head_width=.15,head_length=.3", "color": INK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
@@ -103,7 +103,7 @@ def draw_directions(axes: Axes, paper: Paper) -> None:
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
-    """A panel's letter and what it shows, above it."""
+    """Write a panel's letter and title above it."""
     axes.text(0.04, 1.02, letter, transform=axes.transAxes, fontsize=12, weight="bold", color=INK)
     axes.text(0.085, 1.02, text, transform=axes.transAxes, fontsize=10, color=INK)
 
@@ -111,7 +111,7 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
 def picture_panel(
     figure: Figure, place: tuple[float, float, float, float], picture: Picture, title: str, **drawn: Any
 ) -> Axes:
-    """A picture with its name above it; `place` is left, top, width and height in inches."""
+    """Draw a picture with its title above it; `place` is left, top, width and height in inches."""
     left, top, width, height = place
     across, tall = figure.get_size_inches()
     axes = figure.add_axes((left / across, (tall - top - height) / tall, width / across, height / tall))

@@ -23,22 +23,22 @@ from symrt.spectra.shading import preview
 from symrt.system import LinearSystem
 
 FILL = "#bfe3d5"
-"""The green of what is feasible, paler, so that lines and names stand out on it."""
+"""Pale green for feasible pairs, on which lines and names stand out."""
 OUTSIDE = LinearSegmentedColormap.from_list("outside", ["#fdf3ec", "#f6c9a8", "#e58a50", "#b9500f"])
 LEVELS = (0.001, 0.01, 0.05, 0.2, 0.5)
 """Shares outside at which a contour is drawn."""
 MOST = 5
-"""Places of the edge that are explained."""
+"""Largest number of reasons at the edge that are explained."""
 CLEAR = 18
-"""Points from the middle of a mark to that of what is written on a contour, at least."""
+"""Least distance, in points, from the middle of a mark to that of a contour's label."""
 SHORTEST = 0.03
-"""Share of the edge's length that a reason must have to be explained."""
+"""Least share of the edge's length of a reason that is explained."""
 Points = Float[np.ndarray, "point 2"]
 
 
 @dataclass(frozen=True, eq=False)
 class Stop:
-    """A stretch of the region's edge, the place on it that is marked, and what stops the parameters there."""
+    """A stretch of the region's edge: the reason that stops the parameters there, its marked place, and its length."""
 
     reason: Reason
     place: tuple[float, float]
@@ -49,15 +49,17 @@ class Stop:
 def joint_region_figure(
     found: JointRegion, system: LinearSystem, palette: Palette, reference: Reference | None = None
 ) -> Drawing:
-    """The feasible pairs, shaded outside by how much of the picture is outside, with what stops them at the edge.
+    """The feasible pairs of two parameters, with the reasons at their edge; beyond it, the share of pixels outside.
 
     Drawn with them are the pair given, the ranges found one by one as a dashed rectangle, and the box in which both
     may move freely; beside them the picture, with the pixels that stop the parameters.
 
     Parameters
     ----------
+    found
+        The result of `joint_region`.
     system, palette, reference
-        The picture, as `joint_region` was asked about it.
+        The picture, as given to `joint_region`.
 
     Examples
     --------
@@ -71,6 +73,7 @@ def joint_region_figure(
     >>> joint_region_figure(found, system, palette).get_suptitle()
     'Which pairs keep the picture inside: scale of ice × scale of sea'
     """
+    # The share outside, the feasible pairs on top of it, the ranges one by one and the safe box.
     figure = Drawing(figsize=(12.0, 7.4), facecolor="white")
     headline(figure, f"Which pairs keep the picture inside: {found.one} × {found.other}")
     axes = figure.add_axes((0.065, 0.2, 0.5, 0.7))
@@ -78,15 +81,21 @@ def joint_region_figure(
     _fill(axes, found)
     _frame_separate(axes, found)
     _frame_box(axes, found)
+
+    # The pair given, and a number at each reason.
     stops = _stops(found)
     _mark_given(axes, found)
     _number(axes, [stop.place for stop in stops])
+
+    # Limits come before labels are cleared from marks: they fix the positions on paper.
     (low, high), (bottom, top) = found.within
     axes.set(xlim=(low, high), ylim=(bottom, top), xlabel=str(found.one), ylabel=str(found.other))
     _clear(axes, levels, [found.given, *(stop.place for stop in stops)])
     axes.set_xticks(_ticks(low, high, 6))
     axes.set_yticks(_ticks(bottom, top, 6))
     axes.spines[["top", "right"]].set_visible(False)
+
+    # The picture and the reasons beside the region, and the foot.
     _draw_picture(figure, system, palette, reference, stops)
     _explain(figure, stops)
     _legend(figure, found)
@@ -95,16 +104,20 @@ def joint_region_figure(
 
 
 def _shade(figure: Figure, axes: Axes, found: JointRegion) -> list[Text]:
-    """How much of the picture is outside, from nothing to all of it; what is written on the contours."""
+    """Shade the pairs by the share of the picture outside, and return the labels of its contours."""
     share = found.outside.T
     norm = PowerNorm(0.5, 0.0, max(0.01, float(share.max())))
     mesh = axes.pcolormesh(
         found.values, found.across, share, cmap=OUTSIDE, norm=norm, shading="gouraud", rasterized=True, zorder=0
     )
+
+    # Contours at the levels that occur.
     levels, written = [level for level in LEVELS if share.min() < level < share.max()], []
     if levels:
         lines = axes.contour(found.values, found.across, share, levels=levels, colors=[GREY], linewidths=0.6, zorder=1)
         written = axes.clabel(lines, fmt=lambda level: f"{level:.1%}".replace(".0%", "%"), fontsize=7.5, colors=INK)
+
+    # The scale of colours.
     strip = figure.add_axes((0.575, 0.2, 0.012, 0.7))
     ticks = _ticks(0.0, norm.vmax or 1.0, 4)
     bar = figure.colorbar(mesh, cax=strip, ticks=ticks, format=lambda level, _: f"{100 * level:.3g}%")
@@ -115,7 +128,7 @@ def _shade(figure: Figure, axes: Axes, found: JointRegion) -> list[Text]:
 
 
 def _clear(axes: Axes, written: Sequence[Text], places: Sequence[tuple[float, float]]) -> None:
-    """Hide what is written on a contour where a mark lies on it."""
+    """Hide a contour's label where a mark lies on it."""
     for text in written:
         away = axes.transData.transform([*places, text.get_position()]) * 72 / axes.figure.dpi
         text.set_visible(bool(np.hypot(*(away[:-1] - away[-1]).T).min() > CLEAR))
@@ -126,12 +139,15 @@ def _ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def _fill(axes: Axes, found: JointRegion) -> None:
-    """What is feasible, between neighbouring lines that agree in the number of their intervals."""
+    """Fill the feasible pairs, between neighbouring lines that agree in the number of their intervals."""
+    # The ends of each line's intervals, nan where a line has fewer than others.
     count = max((len(line) for line in found.intervals), default=0)
     ends = np.full((count, 2, len(found.values)), np.nan)
     for k, line in enumerate(found.intervals):
         for n, interval in enumerate(line):
             ends[n, :, k] = interval
+
+    # Each run of neighbouring lines, filled and outlined.
     for low, high in ends:
         there: Bool[np.ndarray, " line"] = np.isfinite(low)
         axes.fill_between(found.values, low, high, where=there, color=FILL, lw=0, zorder=2)
@@ -170,6 +186,7 @@ def _mark_given(axes: Axes, found: JointRegion) -> None:
 
 def _stops(found: JointRegion) -> list[Stop]:
     """The longest stretches of the edge that one pixel and band stop, from left to right."""
+    # Along the lower and the upper edge, half the way to each neighbour belongs to a point's reason.
     (low, high), (bottom, top) = found.within
     stretches: dict[Reason, list[tuple[float, float]]] = {}
     lengths: dict[Reason, float] = {}
@@ -186,12 +203,15 @@ def _stops(found: JointRegion) -> list[Stop]:
             steps = [np.hypot((u - x) / (high - low), (v - y) / (top - bottom)) / 2 for u, v, _ in near]
             stretches.setdefault(reason, []).append((x, y))
             lengths[reason] = lengths.get(reason, 0.0) + float(sum(steps))
+
     # An upright edge is met by no line; the range of the one alone, with the other as given, ends on it.
     alone, (_, y) = found.separate[0], found.given
     for ends, reasons in zip(alone.intervals, alone.reasons, strict=True):
         for x, reason in zip(ends, reasons, strict=True):
             if reason.side != "range" and reason not in lengths and bottom <= y <= top:
                 stretches[reason], lengths[reason] = [(x, y)], 0.25
+
+    # The longest, unless they are very short.
     whole = sum(lengths.values())
     longest = sorted(lengths, key=lambda reason: -lengths[reason])[:MOST]
     stops = [
@@ -203,7 +223,7 @@ def _stops(found: JointRegion) -> list[Stop]:
 
 
 def _middle(points: Sequence[tuple[float, float]], found: JointRegion) -> tuple[float, float]:
-    """The point of a stretch that is half its length from its beginning."""
+    """The point in the middle of a stretch, measured along it."""
     (low, high), (bottom, top) = found.within
     steps = np.diff(np.array(points) / [high - low, top - bottom], axis=0)
     far = np.append(0.0, np.cumsum(np.hypot(*steps.T)))
@@ -211,27 +231,22 @@ def _middle(points: Sequence[tuple[float, float]], found: JointRegion) -> tuple[
 
 
 def _number(axes: Axes, places: Sequence[tuple[float, float]], size: float = 10.5) -> None:
+    """Draw numbered marks at some places."""
+    look: dict[str, Any] = {"fontsize": 7.5, "weight": "bold", "color": "white", "annotation_clip": False}
     for number, place in enumerate(places, 1):
         axes.plot(*place, marker="o", ms=size, mfc=ABOVE, mec="white", mew=1.0, ls="none", zorder=10, clip_on=False)
-        axes.annotate(
-            str(number),
-            place,
-            ha="center",
-            va="center_baseline",
-            fontsize=7.5,
-            weight="bold",
-            color="white",
-            zorder=11,
-            annotation_clip=False,
-        )
+        axes.annotate(str(number), place, ha="center", va="center_baseline", zorder=11, **look)
 
 
 def _draw_picture(
     figure: Figure, system: LinearSystem, palette: Palette, reference: Reference | None, stops: Sequence[Stop]
 ) -> None:
+    """Draw the picture, with a numbered mark at each pixel that stops the parameters."""
     picture = figure.add_axes((0.65, 0.47, 0.33, 0.43))
     picture.imshow(preview(system, palette, reference.exposure if reference else 1.0), interpolation="nearest")
     picture.set_axis_off()
+
+    # Numbers stand beside their pixels, away from the others.
     numbered = [(n, stop.reason.x, stop.reason.y) for n, stop in enumerate(stops, 1)]
     places = {n: np.array([x, y], dtype=float) for n, x, y in numbered if x is not None and y is not None}
     mark = {"boxstyle": "circle,pad=0.25", "facecolor": ABOVE, "edgecolor": "white", "lw": 0.8}
@@ -245,7 +260,8 @@ def _draw_picture(
 
 
 def _away(place: Float[np.ndarray, "2"], places: Sequence[Float[np.ndarray, "2"]]) -> Float[np.ndarray, "2"]:
-    """The direction on paper in which a pixel's number stands: away from the other pixels; rows count downwards."""
+    """The direction on paper from the other pixels to a pixel, in which its number stands."""
+    # Rows count downwards.  A pixel in the very middle of the others has no direction of its own.
     away = (place - np.mean(places, axis=0)) * (1, -1)
     far = float(np.hypot(*away))
     return away / far if far > 1 else np.array([0.8, 0.6])
@@ -271,7 +287,7 @@ def _legend(figure: Figure, found: JointRegion) -> None:
 
 
 def _percent(share: float) -> str:
-    """A share that looks like all, or none, only if it is."""
+    """A share in per cent, written as 0 or 100 only if it is that but for rounding."""
     if 0 < share < 0.005:
         return "< 1%"
     return "> 99%" if 0.995 < share < 1 - 1e-6 else f"{share:.0%}"

@@ -1,4 +1,4 @@
-"""What all figures share: ink, captions, and a figure as a file."""
+"""The common style of all figures: ink, captions, and a figure as a file."""
 
 import textwrap
 from collections.abc import Callable
@@ -19,14 +19,13 @@ INK, GREY, HAIR = "#1a1a1a", "#5f646b", "#9aa3b0"
 ABOVE, BELOW, FEASIBLE = "#D55E00", "#0072B2", "#009E73"
 """Vermilion, blue and bluish green of Okabe and Ito's set, which colour-blind readers can tell apart."""
 NAME: dict[str, Any] = {"color": INK, "zorder": 8, "path_effects": [withStroke(linewidth=2.5, foreground="white")]}
-"""How a name is written over lines: with a white rim."""
-
+"""Style of names that are written over lines: with a white rim."""
 
 Made = Callable[..., "Drawing"]
 
 
 def literal(draw: Made) -> Made:
-    """Make a function draw all names as they are written: a ``$`` in an ink's name begins no formula."""
+    """Make a function draw all names literally: a ``$`` in an ink's name begins no formula."""
 
     @wraps(draw)
     def drawn(*given: Any, **named: Any) -> "Drawing":
@@ -55,7 +54,7 @@ class Drawing(Figure):
 
 
 def png(figure: Figure, dpi: int = 160) -> bytes:
-    """A figure as the bytes of a PNG file, which says that it is sRGB.
+    """The bytes of a figure as a PNG file, marked as sRGB.
 
     Examples
     --------
@@ -68,7 +67,7 @@ def png(figure: Figure, dpi: int = 160) -> bytes:
 
 
 def headline(figure: Figure, text: str) -> None:
-    """The figure's name, at its upper left: smaller, and in lines, if it is long."""
+    """Write the figure's name at its upper left: smaller, and in lines, if it is long."""
     inch = 1 / figure.get_figheight()
     room = 0.95 * figure.get_figwidth()
     long = text_width(text, 13, weight="bold") / room
@@ -78,7 +77,7 @@ def headline(figure: Figure, text: str) -> None:
 
 
 def caption(figure: Figure, text: str) -> None:
-    """What the figure is measured against and what in it is modelled, at its foot."""
+    """Write a caption at the figure's foot: its reference, and the data in it that are modelled."""
     inch = 1 / figure.get_figheight()
     figure.text(0.02, 0.12 * inch, text, fontsize=8.5, color=GREY, va="bottom", linespacing=1.4)
 
@@ -95,7 +94,7 @@ def caption_height(text: str) -> float:
 
 
 def text_width(text: str, size: Number, weight: str = "normal") -> float:
-    r"""Inches that the longest line of a text takes, in letters of so many points.
+    r"""The width in inches of a text's longest line, in letters of `size` points.
 
     Examples
     --------
@@ -108,5 +107,5 @@ def text_width(text: str, size: Number, weight: str = "normal") -> float:
 
 
 def wrapped(text: str, width: int) -> str:
-    """Text in lines of at most so many letters."""
+    """A text broken into lines of at most `width` letters."""
     return textwrap.fill(text, width)
