@@ -45,8 +45,8 @@ def apart(outputs: Mapping[str, Path | None], inputs: Sequence[str | Path | None
     for option, path in outputs.items():
         if path is None:
             continue
-        place = _place(path)
-        if place in {_place(file) for file in read}:
+        place = _identity(path)
+        if place in {_identity(file) for file in read}:
             raise ValueError(f"{option} {path} is a file that is read, and would be lost: give another name")
         if place in written:
             raise ValueError(f"{written[place]} and {option} are both {path}: give each a name of its own")
@@ -68,7 +68,7 @@ def _shipped(word: str) -> list[Path]:
         return []
 
 
-def _place(path: Path) -> tuple[int, int] | Path:
+def _identity(path: Path) -> tuple[int, int] | Path:
     """The identity of a file, the same for all its names: its number on the disk, or the path where it will be."""
     try:
         found = path.stat()

@@ -96,7 +96,7 @@ def formula(  # noqa: PLR0913, PLR0917  # a command names its options
 
     Example: symrt formula globe 210 140
     """
-    x, y = _place(column, x, "X"), _place(row, y, "Y")
+    x, y = _coordinate(column, x, "X"), _coordinate(row, y, "Y")
     found = formula_of(source, size, x, y, collapsed)
     if as_json:
         record = {"x": x, "y": y, "text": found.text(digits=17), "latex": found.latex(), "python": found.code()}
@@ -105,7 +105,7 @@ def formula(  # noqa: PLR0913, PLR0917  # a command names its options
         say(found.latex() if latex else found.code() if python else str(found))
 
 
-def _place(given: int | None, named: int | None, name: str) -> int:
+def _coordinate(given: int | None, named: int | None, name: str) -> int:
     """The column or row of a pixel, given either by position on the command line or by name."""
     found = named if given is None else given
     if found is None or (given is not None and named is not None):

@@ -97,10 +97,11 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         for branch in level.cut:
             for part in passing(program, level, branch, paths):
                 value = np.where(part.vanished, VANISHED, np.abs(part.value))
-                _bound(found, paths, part, _pixel(tree, level, branch.parent[part.ray]), value)
+                _bound(found, paths, part, _pixels_of(tree, level, branch.parent[part.ray]), value)
         if below is not None:
             paths = _onwards(found, level, below, paths)
 
+    # G, its columns in canonical order, and the tail.
     matrix, interactions = assemble(found.entries, tree.width * tree.height)
     reflected = (sum((program.sent[via][place] for via in vias), ()) for place, vias in tree.sending.items())
     return LinearSystem(
@@ -115,7 +116,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
     )
 
 
-def _pixel(tree: RayTree, level: Level, hit: Index) -> Index:
+def _pixels_of(tree: RayTree, level: Level, hit: Index) -> Index:
     return tree.film.pixel[level.sample[hit]]
 
 
@@ -127,8 +128,8 @@ def _add_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Pa
 
     # Each pair of a point and a path to it, and the geometric factors at the points.
     point = lit.point
-    which, path, carried = _arriving(points, lit, paths)
-    pixel = _pixel(found.tree, level, points.hit[point])
+    which, path, carried = _carried(points, lit, paths)
+    pixel = _pixels_of(found.tree, level, points.hit[point])
     factors = {name: values[point] for name, values in points.view.items()} | dict(lit.factors)
 
     # One coefficient a term, to the column of the light and all reflectances on the way.
@@ -139,14 +140,14 @@ def _add_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Pa
 
 def _bound_lit(found: Gathering, level: Level, points: Points, lit: Lit, paths: Paths) -> None:
     """Bound the change that an effect which was left out would make to a sample of a light."""
-    which, path, carried = _arriving(points, lit, paths)
+    which, path, carried = _carried(points, lit, paths)
     brightest = found.program.brightest[lit.via]
     columns = [Interaction(lit.light, product) for product in paths.products]
-    pixel = _pixel(found.tree, level, points.hit[lit.point])
+    pixel = _pixels_of(found.tree, level, points.hit[lit.point])
     found.tail.add(columns, paths.product[path], pixel[which], np.abs(carried) * brightest)
 
 
-def _arriving(points: Points, lit: Lit, paths: Paths) -> tuple[Index, Index, Float[np.ndarray, " entry"]]:
+def _carried(points: Points, lit: Lit, paths: Paths) -> tuple[Index, Index, Float[np.ndarray, " entry"]]:
     """Pairs of a point that a light's sample reaches and a path to it, and the number that each pair carries."""
     arriving = points.weight[lit.point] * lit.irradiance * lit.visible
     which, path = paths.to(points.hit[lit.point])
@@ -157,7 +158,7 @@ def _add_emitted(found: Gathering, level: Level, emitted: Emitted, paths: Paths)
     """Add the light that hits send to the eye by themselves."""
     which, path = paths.to(emitted.hit)
     columns = [Interaction(emitted.light, product) for product in paths.products]
-    pixel = _pixel(found.tree, level, emitted.hit)
+    pixel = _pixels_of(found.tree, level, emitted.hit)
     found.entries.add(columns, paths.product[path], pixel[which], paths.coefficient[path] * emitted.radiance[which])
 
 
@@ -167,7 +168,7 @@ def _onwards(found: Gathering, level: Level, below: Level, paths: Paths) -> Path
     for branch, of_branch in zip(below.branches, parts, strict=True):
         for part in of_branch:
             if part.vanished.any():
-                pixel = _pixel(found.tree, level, branch.parent[part.ray])
+                pixel = _pixels_of(found.tree, level, branch.parent[part.ray])
                 _bound(found, paths, part, pixel, np.where(part.vanished, VANISHED, 0.0))
     return continued(below, parts, paths, found.product)
 

@@ -131,20 +131,20 @@ def formula(source: object, x: Any, y: Any) -> Formula:  # noqa: ARG001 -- the r
 
 @formula.register
 def _(source: RayTree, x: Any, y: Any) -> Formula:
-    expression, values = tree_expression(source, _pixel(x, y, source.width, source.height))
+    expression, values = tree_expression(source, _checked_pixel(x, y, source.width, source.height))
     held = {symbol.name for symbol in expression.free_symbols if isinstance(symbol, Factor)}
     return Formula(expression, {name: value for name, value in values.items() if name in held})
 
 
 @formula.register
 def _(source: Scene, x: Any, y: Any) -> Formula:
-    _pixel(x, y, source.camera.width, source.camera.height)
+    _checked_pixel(x, y, source.camera.width, source.camera.height)
     return formula(trace(source, window=(x, y, x + 1, y + 1)), 0, 0)
 
 
 @formula.register
 def _(source: LinearSystem, x: Any, y: Any) -> Formula:
-    pixel = _pixel(x, y, source.width, source.height)
+    pixel = _checked_pixel(x, y, source.width, source.height)
     entries = slice(source.G.indptr[pixel], source.G.indptr[pixel + 1])
     terms = []
     for column, g in zip(source.G.indices[entries], source.G.data[entries], strict=True):
@@ -183,7 +183,7 @@ def expressions(tree: RayTree) -> Expressions:
     return Expressions(tree)
 
 
-def _pixel(x: Any, y: Any, width: int, height: int) -> int:
+def _checked_pixel(x: Any, y: Any, width: int, height: int) -> int:
     for name, value, what in (("x", x, "column"), ("y", y, "row")):
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
             raise ValueError(f"{name} = {shown(value)}: a pixel's {what} is a whole number, counted from 0")  # noqa: TRY004

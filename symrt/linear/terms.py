@@ -102,7 +102,7 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
             weight, surface = float(points.weight[point]), Surface.of(points.material)
             other = surface.material if surface.alternative else ""
             share = letters.letter("weight", weight, surface.place, other, str(place)) if weight != 1 else 1
-            total.append(share * _sent(tree, points, int(point), place, letters))
+            total.append(share * _sent_by_material(tree, points, int(point), place, letters))
 
     # Lights that shine from the hit.
     for emitted in level.emitted:
@@ -114,7 +114,7 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
     return sympy.Add(*total)
 
 
-def _sent(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:
+def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:
     """The radiance that one material sends to the viewer from one point."""
     # Components and parameters of the material, and the factors that depend on the viewer only.
     bound = _bindings(tree, points)

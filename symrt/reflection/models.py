@@ -46,7 +46,7 @@ DOUBLE = 53
 WORDS = {*GEOMETRY, "diffuse", "specular", "mirror"}
 """Names of the symbols that formulas are written in, as they are imported."""
 LIT = ("direct", "ambient")
-"""The formulas that lights meet; the others meet what further rays bring."""
+"""The formulas that lights meet; the others meet the radiance of further rays."""
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,7 @@ def camera_rays(camera: Camera, window: Window | None = None) -> Rays:
     x, y = _film(camera, window)
     forward, right, up = _frame(camera)
 
-    # Half the width of what is seen: at distance 1 from the eye, or of the parallel view itself.
+    # Half the width of the view: at distance 1 from the eye, or of the parallel view itself.
     if camera.type == "perspective":
         half = math.tan(math.radians(_given(camera.field_of_view)) / 2)
     else:

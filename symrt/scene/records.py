@@ -157,7 +157,9 @@ class Scene:
         rows += [(type(light).__name__, light.name, _details(light)) for light in self.lights]
         rows += [("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}") for m in self.materials]
         rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
-        rows += [(type(shape).__name__, _shape_text(shape), _details(shape)) for shape in self.shapes]
+        for shape in self.shapes:
+            named = ", ".join(name for _, name in named_materials("", _materials_of(shape)))
+            rows.append((type(shape).__name__, named, _details(shape)))
         return html_table(("what", "name or material", ""), rows)
 
 
@@ -244,12 +246,8 @@ def _materials_of(shape: Any) -> Any:
     return shape.material if hasattr(shape, "material") else shape.materials
 
 
-def _shape_text(shape: Any) -> str:
-    return ", ".join(name for _, name in named_materials("", _materials_of(shape)))
-
-
 def _details(record: Any) -> str:
-    """The fields of a record as text, without what it has computed from them, such as a box its triangles."""
+    """The fields of a record as text, without values computed from them, such as a box's triangles."""
     told = dict(record) if isinstance(record, Mapping) else vars(record)
     own = {one.name for one in fields(record)} if is_dataclass(record) else set(told)
     skipped = {"name", "type", "material"}

@@ -29,7 +29,9 @@ CHUNK = 8
 """Number of segments that are clipped at a time."""
 
 Span = tuple[Number, Number]
-Stop = tuple[str | None, str | None]
+"""An interval of a segment's parameter."""
+Ends = tuple[str | None, str | None]
+"""Names of the bounds that end an interval below and above."""
 Spectra = Float[np.ndarray, "segment band"]
 
 
@@ -66,7 +68,7 @@ class Segment:
     direction: Spectrum
     within: Span
     inside: tuple[Span, ...]
-    stops: tuple[Stop, ...]
+    stops: tuple[Ends, ...]
     colours: Float[np.ndarray, "2 3"]
 
     def at(self, t: Number) -> Spectrum:
@@ -246,7 +248,7 @@ def _diffuse(palette: Palette, materials: Iterable[str]) -> Float[np.ndarray, "m
 
 def _parts(
     gamut: ConvexGamut | UnevenGamut, origin: Spectra, direction: Spectra, within: Span, progress: bool
-) -> list[tuple[tuple[Span, ...], tuple[Stop, ...]]]:
+) -> list[tuple[tuple[Span, ...], tuple[Ends, ...]]]:
     """The intervals of each line inside a gamut, and the bounds that end them."""
     # A gamut that is not convex may hold several intervals, whose ends have no name.
     if isinstance(gamut, UnevenGamut):

@@ -8,7 +8,7 @@ from symrt.table import html_table, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
-State = Literal["not called for", "simulated", "left out, bounded"]
+Status = Literal["not called for", "simulated", "left out, bounded"]
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Planned:
     """
 
     name: str
-    state: State
+    state: Status
     called_by: tuple[str, ...]
     why: str
     rays: str

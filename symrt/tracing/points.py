@@ -57,7 +57,7 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
             model = stage.materials[name].model
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
 
-            # The light on them: what formulas that are zero would get is not kept.
+            # The light on them, unless the model has no formula for it.
             lit, cut = [], []
             for one in reached:
                 if model.formulas[one.light.via] == 0:

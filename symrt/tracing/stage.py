@@ -112,6 +112,7 @@ def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ..
 
 
 def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, ...]]:
+    """The formulas by which each material's surfaces send rays on, those of its alternatives included."""
     formulas = sorted({via for material in scene.materials for via in material.reflection.sending})
     found: dict[str, tuple[str, ...]] = {}
     for via in formulas:
@@ -145,6 +146,7 @@ def _numbered(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
 
 
 def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRecord]:
+    """The tree's record of each material, and of each alternative under its own name."""
     named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
     pairs = [(name, other) for name, others in alternatives.items() for other in others]
     return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}

@@ -118,7 +118,7 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
             else:
                 cut += sent
         levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))
-        batch = _onwards(batch, followed)
+        batch = _joined(batch, followed)
     return tuple(levels)
 
 
@@ -126,7 +126,7 @@ def _branch(sent: Sent) -> Branch:
     return Branch(sent.via, sent.hit, sent.weight, sent.factors)
 
 
-def _onwards(batch: Batch, sent: Sequence[Sent]) -> Batch:
+def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
     """Join all rays that were sent on into one batch; effects' states are inherited where they did not change."""
     if not sent:
         return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})

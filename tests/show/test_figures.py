@@ -237,7 +237,7 @@ def test_the_map_of_any_gamut_marks_the_pixels_that_it_does_not_contain(system, 
 def test_of_many_pixels_a_hull_is_asked_about_one_in_each_block(system, monkeypatch):
     palette, asked = plain(), rt.device_gamut(rt.load_device("dye3-endura-premier"), "hull")
     every, _, _ = _outside(system, palette, limits(system, palette, asked))
-    monkeypatch.setattr("symrt.show.plots.feedback.MOST", 60)
+    monkeypatch.setattr("symrt.show.plots.feedback.TESTED", 60)
     some, _, side = _outside(system, palette, limits(system, palette, asked))
     assert side > 1
     assert abs(int(some.sum()) - int(every.sum())) < 0.2 * system.object_pixels.sum()

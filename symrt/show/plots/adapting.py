@@ -168,11 +168,11 @@ def _draw_steps(figure: Drawing, found: Adapted, left: float, names: Sequence[st
         at = left + k * (BARS + 0.2)
         axes = figure.add_axes((at / width, (height - 0.8 - body) / height, BARS / width, body / height))
         lacking = [criterion in asked.lacking(step) for step in found.steps]
-        _draw_bars(axes, values, lacking, bound, label)
+        _draw_criterion(axes, values, lacking, bound, label)
         axes.set_yticks(range(count), names if k == 0 else [""] * count, fontsize=7.5)
 
 
-def _draw_bars(
+def _draw_criterion(
     axes: Axes, values: Sequence[float], lacking: Sequence[bool], bound: float | int | None, label: str
 ) -> None:
     """Draw a bar for each value, in the colour of its verdict, and the bound as a dashed line."""

@@ -45,7 +45,7 @@ PLATE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 LETTERS = 25
 """Letters in a line of a parameter's name."""
 Mask = Bool[np.ndarray, "height width"]
-MOST = 4000
+TESTED = 4000
 """Largest number of pixels that are tested against a hull, or inks, for a map."""
 ROW = 0.62
 """Height of one parameter's row in inches."""
@@ -72,7 +72,7 @@ def ranges_figure(
     # Bars on the left, and beside each its spectrum and reason.
     foot, body = (caption_height(text) + 0.65) / height, ROW * len(ranges) / height
     bars = figure.add_axes((0.17, foot, 0.36, body))
-    _draw_bars(bars, ranges)
+    _draw_ranges(bars, ranges)
     for row, found in enumerate(ranges):
         top = foot + body * (1 - row / len(ranges))
         axes = figure.add_axes((0.56, top - 0.9 * body / len(ranges), 0.13, 0.8 * body / len(ranges)))
@@ -96,7 +96,7 @@ def _ranges_words(ranges: Sequence[Feasible], asked: Limits) -> str:
     )
 
 
-def _draw_bars(axes: Axes, ranges: Sequence[Feasible]) -> None:
+def _draw_ranges(axes: Axes, ranges: Sequence[Feasible]) -> None:
     """Draw the ranges looked at as lines, and the feasible intervals on them as bars, on a logarithmic axis."""
     # Values of 0 are drawn at the axis' end, since they have no logarithm.
     rows = np.arange(len(ranges))
@@ -259,7 +259,7 @@ def _outside(system: LinearSystem, palette: Palette, asked: Limits) -> tuple[Mas
 
     # One pixel of each block, where a test takes long.
     slow = any(solid.bound is None for solid in asked.solids)
-    side = max(1, math.ceil(math.sqrt(len(pixels) / MOST))) if slow else 1
+    side = max(1, math.ceil(math.sqrt(len(pixels) / TESTED))) if slow else 1
     y, x = np.divmod(pixels, system.width)
     _, first, block = np.unique(y // side * system.width + x // side, return_index=True, return_inverse=True)
 

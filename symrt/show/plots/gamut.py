@@ -20,7 +20,7 @@ from symrt.gamut.gamuts import AnyGamut
 from symrt.gamut.intersections import AnyIntersection
 from symrt.gamut.slabs import Gamut
 from symrt.show.body import body_of
-from symrt.show.plots.panels import Paper, draw_directions, panel, panel_title
+from symrt.show.plots.panels import Paper, Points, draw_directions, panel, panel_title
 from symrt.show.plots.style import (
     GREY,
     HAIR,
@@ -47,7 +47,6 @@ GIVEN: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 5, "mfc": "white", "
 LEGEND, SYMBOL = 0.04, 0.225
 """Shares of the figure's height: of the legend, and up to the top of the small axes between the panels."""
 
-Points = Float[np.ndarray, "point 2"]
 Place = tuple[float, float]
 
 
@@ -239,7 +238,7 @@ def _label(axes: Axes, labels: list[tuple[str, Place]], floors: tuple[float, flo
     """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     middle, gap, box = (left + right) / 2, 0.042 * (top - bottom), axes.get_position()
-    shown = [(text, _shown(point, axes)) for text, point in labels]
+    shown = [(text, _within_panel(point, axes)) for text, point in labels]
     for side, edge, align, floor in ((-1, left, "left", floors[0]), (1, right, "right", floors[1])):
         chosen = [(text, point) for text, point in shown if (point[0] >= middle) == (side > 0)]
         low = bottom + max(0.0, (floor - box.y0) / box.height) * (top - bottom)
@@ -250,7 +249,7 @@ def _label(axes: Axes, labels: list[tuple[str, Place]], floors: tuple[float, flo
             axes.annotate(text, point, place, ha=align, va="center", fontsize=8.5, **look)
 
 
-def _shown(point: Place, axes: Axes) -> Place:
+def _within_panel(point: Place, axes: Axes) -> Place:
     """A point, or the place where the line to it from black leaves the panel."""
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     place = np.array(point)

@@ -27,13 +27,12 @@ FILL = "#bfe3d5"
 OUTSIDE = LinearSegmentedColormap.from_list("outside", ["#fdf3ec", "#f6c9a8", "#e58a50", "#b9500f"])
 LEVELS = (0.001, 0.01, 0.05, 0.2, 0.5)
 """Shares outside at which a contour is drawn."""
-MOST = 5
+EXPLAINED = 5
 """Largest number of reasons at the edge that are explained."""
 CLEAR = 18
 """Least distance, in points, from the middle of a mark to that of a contour's label."""
 SHORTEST = 0.03
 """Least share of the edge's length of a reason that is explained."""
-Points = Float[np.ndarray, "point 2"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +212,7 @@ def _stops(found: JointRegion) -> list[Stop]:
 
     # The longest, unless they are very short.
     whole = sum(lengths.values())
-    longest = sorted(lengths, key=lambda reason: -lengths[reason])[:MOST]
+    longest = sorted(lengths, key=lambda reason: -lengths[reason])[:EXPLAINED]
     stops = [
         Stop(reason, _middle(stretches[reason], found), lengths[reason])
         for reason in longest
