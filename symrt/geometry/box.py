@@ -15,7 +15,18 @@ from symrt.arrays import PerRay, Point
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.mesh import rotation, transformed
-from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import (
+    Crossing,
+    Kernel,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    leaves,
+    surface,
+    translate,
+)
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
 from symrt.geometry.triangle_mesh import TriangleMesh
 
@@ -191,6 +202,18 @@ def translate_box(box: Box, by: Point) -> Box:
     (0.0, 3.0, 0.0)
     """
     return replace(box, centre=moved(box.centre, by))
+
+
+@leaves.register(Box)
+def leaves_box(box: Box) -> tuple[bool, bool]:  # noqa: ARG001
+    """A box is convex.
+
+    Examples
+    --------
+    >>> leaves_box(Box((0, 0, 0), (2, 2, 2), "white"))
+    (True, False)
+    """
+    return True, False
 
 
 @encloses.register(Box)

@@ -41,6 +41,7 @@ from symrt.geometry.rays import (
     clearance,
     encloses,
     intersect,
+    leaves,
     surface,
     translate,
 )
@@ -273,6 +274,18 @@ def translate_cylinder(cylinder: Cylinder, by: Point) -> Cylinder:
     (0.0, 3.0, 0.0)
     """
     return replace(cylinder, base=moved(cylinder.base, by), top=moved(cylinder.top, by))
+
+
+@leaves.register(Cylinder)
+def leaves_cylinder(cylinder: Cylinder) -> tuple[bool, bool]:
+    """A capped cylinder is convex, an open tube is not.
+
+    Examples
+    --------
+    >>> leaves_cylinder(Cylinder((0, 0, 0), (0, 1, 0), 0.5, "post", capped=False))
+    (False, False)
+    """
+    return cylinder.capped, False
 
 
 @encloses.register(Cylinder)

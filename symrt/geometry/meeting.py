@@ -9,7 +9,7 @@ from jaxtyping import Bool, Int
 
 from symrt import fast
 from symrt.arrays import PerRay, Vectors
-from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, surface
+from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, leaves, surface
 
 
 def meet(
@@ -44,6 +44,13 @@ def meet(
     >>> hits.distance, hits.shape
     (array([2.]), array([7], dtype=int32))
     """
+    # Rays that leave the shape for good are passed over, where they are enough for copying the others to pay.
+    if rays.left is not None:
+        others = rays.left != index if which is None else rays.left[which] != index
+        if np.count_nonzero(others) < 0.9 * others.size:
+            which = np.flatnonzero(others) if which is None else which[others]
+            if not which.size:
+                return
     part = rays if which is None else rays[which]
     into = hits if which is None else Hits(hits.distance[which], hits.shape[which], hits.primitive[which])
     undecided = _meet_compiled(shape, index, part, into, low, any_hit)
@@ -158,3 +165,23 @@ def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
             for name in (f.name for f in fields(Surface)):
                 getattr(whole, name)[..., chosen] = getattr(part, name)
     return whole
+
+
+def leaving_of(shapes: Sequence[Any], hits: Hits) -> Int[np.ndarray, "2 ray"]:
+    """The shape of each hit, where a ray that starts there on the side of its normal leaves it for good, else −1.
+
+    The second row tells the same of the other side.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> shapes = [Sphere((0, 0, -3), 1, "red")]
+    >>> leaving_of(shapes, nearest(shapes, Rays(np.zeros((3, 1)), np.array([[0.0], [0.0], [-1.0]])))).tolist()
+    [[0], [-1]]
+    """
+    leaving = np.full((2, hits.shape.size), -1, np.int32)
+    for index in np.unique(hits.shape[hits.shape >= 0]).tolist():
+        for row, good in enumerate(leaves(shapes[index])):
+            if good:
+                leaving[row, hits.shape == index] = index
+    return leaving

@@ -16,7 +16,18 @@ from symrt.arrays import PerRay, Point, dot, length, normalise
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.flats import ENDLESS, ROUND, Flat, bounded, flat_surface
-from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import (
+    Crossing,
+    Kernel,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    leaves,
+    surface,
+    translate,
+)
 from symrt.geometry.records import Triple, column, finite, has_direction, moved, positive
 
 
@@ -187,6 +198,19 @@ def translate_disk(disk: Disk, by: Point) -> Disk:
     (0.0, 2.0, 0.0)
     """
     return replace(disk, centre=moved(disk.centre, by))
+
+
+@leaves.register(Plane)
+@leaves.register(Disk)
+def leaves_flat(shape: Plane | Disk) -> tuple[bool, bool]:  # noqa: ARG001
+    """Planes and disks are flat.
+
+    Examples
+    --------
+    >>> leaves_flat(Disk((0, 0, 0), (0, 1, 0), 1, "base"))
+    (True, True)
+    """
+    return True, True
 
 
 @encloses.register(Plane)

@@ -208,6 +208,21 @@ def clearance(shape: object, point: Point) -> float:  # noqa: ARG001
     raise _unknown(shape)
 
 
+@singledispatch
+def leaves(shape: object) -> tuple[bool, bool]:  # noqa: ARG001
+    """Whether rays that start on a shape never meet it again: on the side its normals point to, and on the other.
+
+    Convex shapes are left for good outwards, flat ones on either side.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Plane, Sphere
+    >>> leaves(Sphere((0, 0, 0), 1, "red")), leaves(Plane((0, 0, 0), (0, 1, 0), "floor"))
+    ((True, False), (True, True))
+    """
+    return False, False
+
+
 @dataclass(frozen=True, eq=False)
 class Kernel:
     """The compiled form of a shape's `intersect`: a function of a module of kernels, and the shape's constants."""
@@ -222,10 +237,16 @@ def spawn(
     normal: Float[np.ndarray, "3 ray"],
     error: PerRay,
     direction: Float[np.ndarray, "3 ray"],
+    leaving: Int[np.ndarray, "2 ray"] | None = None,
 ) -> Rays:
     """Rays that leave a surface without meeting it again: started off it, on the side they go to, by its error bound.
 
     The offset is twice the bound: once for where the surface may be, once for the rounding of the new origin.
+
+    Parameters
+    ----------
+    leaving
+        The shape that a ray leaves for good on the side of its normal, and on the other, or −1: see `leaving_of`.
 
     Examples
     --------
@@ -235,7 +256,8 @@ def spawn(
     """
     # A grazing direction gets its side from the exact sign, the same that the shape's own intersection uses.
     side = np.sign(pair_dot(exact(normal), exact(direction))[0])
-    return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction)
+    left = None if leaving is None else np.where(side < 0, leaving[1], leaving[0])
+    return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction, left)
 
 
 def _indices(chosen: np.ndarray) -> np.ndarray:

@@ -11,7 +11,18 @@ from symrt.arrays import PerRay, Point, Vectors, dot, exact, length, normalise, 
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.flats import CORNERED, Column, Flat, bounded, flat_surface
-from symrt.geometry.rays import Crossing, Kernel, Rays, Surface, clearance, encloses, intersect, surface, translate
+from symrt.geometry.rays import (
+    Crossing,
+    Kernel,
+    Rays,
+    Surface,
+    clearance,
+    encloses,
+    intersect,
+    leaves,
+    surface,
+    translate,
+)
 from symrt.geometry.records import Triple, column, finite, has_direction, moved
 
 
@@ -133,6 +144,18 @@ def translate_rectangle(rectangle: Rectangle, by: Point) -> Rectangle:
     (0.0, 2.0, 0.0)
     """
     return replace(rectangle, centre=moved(rectangle.centre, by))
+
+
+@leaves.register(Rectangle)
+def leaves_rectangle(rectangle: Rectangle) -> tuple[bool, bool]:  # noqa: ARG001
+    """A rectangle is flat.
+
+    Examples
+    --------
+    >>> leaves_rectangle(Rectangle((0, 0, 0), (1, 0, 0), (0, 0, 1), "a"))
+    (True, True)
+    """
+    return True, True
 
 
 @encloses.register(Rectangle)

@@ -44,6 +44,7 @@ from symrt.geometry.rays import (
     clearance,
     encloses,
     intersect,
+    leaves,
     surface,
     translate,
 )
@@ -242,6 +243,18 @@ def translate_sphere(sphere: Sphere, by: Point) -> Sphere:
     (1.0, 2.0, 0.0)
     """
     return replace(sphere, centre=moved(sphere.centre, by))
+
+
+@leaves.register(Sphere)
+def leaves_sphere(sphere: Sphere) -> tuple[bool, bool]:  # noqa: ARG001
+    """A sphere is convex.
+
+    Examples
+    --------
+    >>> leaves_sphere(Sphere((0, 0, 0), 1, "red"))
+    (True, False)
+    """
+    return True, False
 
 
 @encloses.register(Sphere)

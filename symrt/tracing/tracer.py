@@ -16,7 +16,7 @@ import numpy as np
 
 from symrt.errors import require
 from symrt.geometry.box import Box
-from symrt.geometry.meeting import nearest, surfaces
+from symrt.geometry.meeting import leaving_of, nearest, surfaces
 from symrt.geometry.rays import Rays
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Window
@@ -101,7 +101,8 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
 
         # The surfaces there, and the light that reaches them.
         surface = surfaces(stage.shapes, batch.rays, hits)
-        view = look(surface, _slots_of(stage, hits.shape, hits.primitive), batch)
+        slots, leaving = _slots_of(stage, hits.shape, hits.primitive), leaving_of(stage.shapes, hits)
+        view = look(surface, slots, batch, leaving)
         here = points(stage, effects, view, count)
         emitted = tuple(one for effect in effects.simulated if effect.emitted for one in effect.emitted(stage, view))
 
@@ -133,6 +134,9 @@ def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
     rays = Rays(
         np.concatenate([one.rays.origin for one in sent], axis=1),
         np.concatenate([one.rays.direction for one in sent], axis=1),
+        np.concatenate(
+            [np.full(len(one.rays), -1, np.int32) if one.rays.left is None else one.rays.left for one in sent]
+        ),
     )
     sample = np.concatenate([batch.sample[one.hit] for one in sent])
     state = {

@@ -62,6 +62,8 @@ class View:
         Unit normals of the true and of the smoothed surface.
     sample, state
         The film sample that each hit contributes to, and the values that effects keep for the ray that met it.
+    leaving
+        The shape that a ray leaves for good when it starts from a hit on the viewer's side, and on the other, or −1.
     """
 
     surface: Surface
@@ -71,16 +73,19 @@ class View:
     shading_normal: Vectors
     sample: Int[np.ndarray, " hit"]
     state: State
+    leaving: Int[np.ndarray, "2 hit"]
 
 
-def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch) -> View:
+def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving: Int[np.ndarray, "2 hit"]) -> View:
     """Turn normals to the viewer: the true surface decides the face, the smoothed normal follows it.
 
     A file may wind its faces against its own vertex normals, so the two are compared, never assumed to agree.
     """
     viewer = -batch.rays.direction
     normal = _turned(surface.normal, viewer)
-    return View(surface, slot, viewer, normal, _turned(surface.shading_normal, normal), batch.sample, batch.state)
+    shading_normal = _turned(surface.shading_normal, normal)
+    leaving = np.where(dot(surface.normal, viewer) < 0, leaving[::-1], leaving)
+    return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving)
 
 
 def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:

@@ -10,7 +10,22 @@ from geometry.both import intersect, nearest, occluded
 from geometry.oracles import directions, inner, rational, rays
 from geometry.shapes import gallery, icosphere, random_mesh
 
-from symrt.geometry import Cylinder, Disk, Plane, Rays, Rectangle, Sphere, spawn, surfaces, translate
+from symrt import fast
+from symrt.geometry import (
+    Cylinder,
+    Disk,
+    Plane,
+    Rays,
+    Rectangle,
+    Sphere,
+    TriangleMesh,
+    meeting,
+    spawn,
+    surfaces,
+    translate,
+)
+from symrt.geometry.meeting import leaving_of
+from symrt.geometry.rays import Hits
 
 DRAWS = [(40, 50), pytest.param((1000, 1000), marks=pytest.mark.exhaustive)]
 
@@ -75,6 +90,63 @@ def test_rays_that_leave_a_surface_never_meet_it_again(kind, draws):
         assert not occluded([shape], fresh, np.full(met.size, np.inf)).any()
         left += met.size
     assert left > shapes * count / 10
+
+
+def scaled(shape, scale):
+    """A shape made larger about the origin."""
+    if isinstance(shape, TriangleMesh):
+        return replace(shape, vertices=scale * shape.vertices)
+    sizes = {"centre", "point", "radius", "edge_u", "edge_v", "base", "top", "size"}
+    names = sizes & {field.name for field in fields(shape)}
+    larger = {name: np.multiply(getattr(shape, name), scale).tolist() for name in names}
+    return replace(shape, **{name: tuple(v) if isinstance(v, list) else v for name, v in larger.items()})
+
+
+def fresh_rays(shapes, generator, count, scale):
+    """Rays from surfaces to everywhere, a quarter of them grazing, and the shapes that they leave for good."""
+    towards = directions(generator, count)
+    middle = np.array([[3.0], [-2.0], [5.0]]) + generator.uniform(-3, 3, (3, count))
+    seen = rays(scale * (middle - 3 * towards), towards)
+    hits = nearest(shapes, seen)
+    met = np.flatnonzero(hits.shape >= 0)
+    hits = Hits(hits.distance[met], hits.shape[met], hits.primitive[met])
+    found = surfaces(shapes, seen[met], hits)
+    out = directions(generator, met.size)
+    side = (out * found.normal).sum(axis=0)
+    grazing = generator.uniform(size=met.size) < 0.25
+    out = out - np.where(grazing, side * (1 - 10 ** generator.uniform(-14, -1, met.size)), 0.0) * found.normal
+    out /= np.sqrt((out * out).sum(axis=0))
+    return spawn(found.point, found.normal, found.error, out, leaving_of(shapes, hits))
+
+
+@pytest.mark.parametrize("count", [3_000, pytest.param(300_000, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("scale", [1e-5, 1.0, 1e5])
+def test_rays_that_leave_a_shape_for_good_need_not_be_asked_about_it(scale, count):
+    by = np.array([3.0, -2.0, 5.0])
+    shapes = [scaled(translate(shape, by), scale) for shape in gallery()]
+    fresh = fresh_rays(shapes, np.random.default_rng(8), count, scale)
+    left = np.unique(fresh.left)
+    # All but the open tube and the meshes are left for good by some, on one side or on both.
+    assert {-1, 0, 1, 2, 3, 4, 6} == set(left.tolist())
+    asked = replace(fresh, left=None)
+    one, other = nearest(shapes, fresh), nearest(shapes, asked)
+    for field in fields(one):
+        np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
+    limit = scale * np.random.default_rng(9).uniform(0, 6, len(fresh))
+    np.testing.assert_array_equal(occluded(shapes, fresh, limit), occluded(shapes, asked, limit))
+    for index in left[left >= 0]:
+        own = intersect(shapes[index], asked[fresh.left == index])
+        assert np.all(own.distance == np.inf), index
+
+
+def test_numpy_is_not_asked_about_shapes_that_all_rays_leave(monkeypatch):
+    floor = Plane((0, 0, 0), (0, 1, 0), "floor")
+    up = replace(rays(np.full((3, 5), 1e-9), np.repeat([[0.0], [1.0], [0.0]], 5, axis=1)), left=np.zeros(5, np.int32))
+    asked = []
+    monkeypatch.setattr(meeting, "intersect", lambda *_: asked.append(1))
+    with fast.use(False):
+        assert not meeting.occluded([floor], up, np.full(5, np.inf)).any()
+    assert asked == []
 
 
 def test_a_ray_that_enters_a_sphere_crosses_it():

@@ -39,7 +39,8 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     hit, direction = hit[outwards], direction[:, outwards]
 
     surface = view.surface
-    rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], normalise(direction))
+    place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
+    rays = spawn(*place, normalise(direction), view.leaving[:, hit])
     return (Sent("reflected", hit, rays, np.ones(hit.size)),)
 
 

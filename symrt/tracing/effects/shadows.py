@@ -25,7 +25,8 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  wh
 def _visible(stage: Stage, view: View, hit: Which, direction: Vectors, distance: PerHit, count: Counter[str]) -> PerHit:
     """1 for each of the given hits that nothing hides from a light in that direction, else 0."""
     surface = view.surface
-    rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], direction)
+    place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
+    rays = spawn(*place, direction, view.leaving[:, hit])
     count["shadows"] += hit.size
     return np.where(occluded(stage.shapes, rays, distance), 0.0, 1.0)
 
