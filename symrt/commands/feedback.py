@@ -33,7 +33,9 @@ def feasible(  # noqa: PLR0913, PLR0917  # a command names its options
     curve: option.Curve = None,
     as_json: option.Json = False,
 ) -> None:
-    """The values of a parameter that a device can print, and the pixel and band that end each range.
+    """The values of a parameter that a device can print.
+
+    Each range comes with the pixel and the band that end it.
 
     Example: symrt feasible globe --palette macbeth --parameter scale:brass --no-cap
     """
@@ -93,7 +95,9 @@ def fit(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """The lightest, darkest, closest … picture it can print, whatever the order of the scales.
+    """The lightest, darkest, closest … picture that it can print.
+
+    The order of the scales makes no difference.
 
     Example: symrt fit globe --palette macbeth -p scale:upland -p scale:brass --no-cap --out fitted.png
     """
@@ -137,7 +141,9 @@ def adapt(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """The simplest change that makes a picture reproducible by stated criteria, or why none does.
+    """The simplest change that makes a picture reproducible.
+
+    It must meet stated criteria; if no change does, the answer says why.
 
     Example: symrt adapt globe --palette macbeth -p scale:upland -p scale:brass --least-lightness 0.95
     """
@@ -175,7 +181,9 @@ def map_pixels(  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """Move each pixel outside a gamut into it: the last resort, when no parameter is to change.
+    """Move each pixel outside a gamut into it.
+
+    This is the last resort, when no parameter is to change.
 
     Example: symrt map-pixels globe --palette macbeth --towards neutral --smoothness 2 --out moved.png
     """

@@ -49,7 +49,7 @@ def gamut(  # noqa: PLR0913, PLR0917  # a command names its options
     plot: option.Plot = None,
     as_json: option.Json = False,
 ) -> None:
-    """Facts of a device's basis and gamut, or the place of a scene's materials in it.
+    """Facts of a gamut, or the place of a scene's materials in it.
 
     With a scene, each material's reflectance is scaled, and each blended with each other, in front of the reference
     light: the table says which part of each segment is inside, and --plot draws them in any three components.

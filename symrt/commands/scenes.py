@@ -16,7 +16,7 @@ from symrt.show.writing import json_text
 
 
 def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
-    """The effects that a scene calls for, and the lights and materials that call for them.
+    """The effects that a scene calls for, with their reasons.
 
     Example: symrt plan globe
     """
@@ -31,7 +31,7 @@ def probe(
     rays: Annotated[int, typer.Option("--rays", help="About how many rays.")] = 4096,
     as_json: option.Json = False,
 ) -> None:
-    """Statistics of a few rays: the lights, materials and bounces that they meet.
+    """Statistics of the lights and materials that a few rays meet.
 
     Example: symrt probe globe --rays 1024
     """
