@@ -16,10 +16,10 @@ from symrt.errors import plain, shown
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
 from symrt.system import Interaction, LinearSystem, Nodes, Shares, Tail
 
-KIND = Kind("system", 1, "save a system with save_system first", "render the scene and save it again")
+KIND = Kind("system", 2, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
-KEYS = ("height", "width", "interactions", "tail", "reflected", "white", "models", "parameters", "seconds")
+KEYS = ("height", "width", "interactions", "tail", "reflected", "passed", "white", "models", "parameters", "seconds")
 """Of the header, beside those that every file of ours has."""
 ARRAYS = frozenset(f"{name}_{part}" for name in ("G", "tail") for part in ("data", "indices", "indptr"))
 LONGEST = 1 << 16
@@ -54,6 +54,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
         "interactions": [[i.light, list(i.met), [list(n) for n in i.nodes]] for i in system.interactions],
         "tail": None if system.tail is None else [[i.light, list(i.met), []] for i in tail.interactions],
         "reflected": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.reflected],
+        "passed": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.passed],
         "white": {name: float(value).hex() for name, value in system.white.items()},
         "models": dict(system.models),
         "parameters": [[n.parameter, n.low.hex(), n.high.hex(), n.count, n.scale] for n in system.parameters.values()],
@@ -88,10 +89,10 @@ def load_system(path: str | Path) -> LinearSystem:
         _check_keys(arrays, header)
         interactions = _interactions(header["interactions"])
         tail = None if header["tail"] is None else _interactions(header["tail"])
-        reflected = _shares(header["reflected"])
+        reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
         height, width = _count(header["height"]), _count(header["width"])
         bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
-        if tail is None and reflected:
+        if tail is None and (reflected or passed):
             raise ValueError("nothing was cut off, but there are shares of it")
         system = LinearSystem(
             G=_matrix(arrays, "G", height * width, len(interactions)),
@@ -101,7 +102,7 @@ def load_system(path: str | Path) -> LinearSystem:
             white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
             models={name: _text(v) for name, v in _table(header["models"])},
             parameters=_parameters(header["parameters"]),
-            tail=None if tail is None else Tail(bound, tail, reflected),
+            tail=None if tail is None else Tail(bound, tail, reflected, passed),
             seconds={name: _number(v) for name, v in _table(header["seconds"])},
         )
         if fault := next(_faults(system), None):
@@ -120,7 +121,8 @@ def _faults(system: LinearSystem) -> Iterator[str]:
 def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Names against the rule for scene files, and against each other."""
     columns = (*system.interactions, *tail.interactions)
-    met = {name for i in columns for name in i.met} | {name for s in tail.reflected for names, _ in s for name in names}
+    shares = (*tail.reflected, *tail.passed)
+    met = {name for i in columns for name in i.met} | {name for s in shares for names, _ in s for name in names}
     symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
     materials = {name for symbol in symbols for name in (symbol.material, symbol.place)} | set(system.models)
     for kind, names, rule in (
@@ -160,7 +162,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     if not np.all(np.isfinite(system.G.data)):
         yield "the coefficients of G are not finite float64 numbers"
     # A bound on what was cut off may be infinite: nothing is known then.
-    bounds = np.array([c for shares in tail.reflected for _, c in shares])
+    bounds = np.array([c for shares in (*tail.reflected, *tail.passed) for _, c in shares])
     if not (np.all(tail.bound.data >= 0) and np.all(bounds >= 0)):
         yield "a bound on what was cut off is below 0, or not a number"
 

@@ -157,7 +157,7 @@ def first(value):
     "damage",
     [
         damage_header("format", "something else"),
-        damage_header("version", 2),
+        damage_header("version", 3),
         damage_header("version", "1"),
         damage_header("height", 5),
         damage_header("height", -4),

@@ -92,9 +92,16 @@ def _parted(
 
 
 def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], name: str) -> Tail:
-    own = [shares for shares in tail.reflected if any(Symbol.of(s).place == material for met, _ in shares for s in met)]
-    region = tuple(tuple((_renamed_met(met, material, name), c) for met, c in shares) for shares in own)
-    return Tail(*_parted(tail.bound, tail.interactions, material, inside, name), tail.reflected + region)
+    reflected, passed = (
+        tuple(
+            tuple((_renamed_met(met, material, name), c) for met, c in shares)
+            for shares in of_scene
+            if any(Symbol.of(s).place == material for met, _ in shares for s in met)
+        )
+        for of_scene in (tail.reflected, tail.passed)
+    )
+    parted = _parted(tail.bound, tail.interactions, material, inside, name)
+    return Tail(*parted, tail.reflected + reflected, tail.passed + passed)
 
 
 def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:

@@ -103,7 +103,10 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
 
     # G, its columns in canonical order, and the tail.
     matrix, interactions = assemble(found.entries, tree.width * tree.height)
-    reflected = (sum((program.sent[via][place] for via in vias), ()) for place, vias in tree.sending.items())
+    reflected, passed = (
+        tuple(shares for place in tree.sending if (place in program.lit) == shone_on for shares in program.sent[place])
+        for shone_on in (True, False)
+    )
     return LinearSystem(
         G=matrix,
         interactions=interactions,
@@ -112,7 +115,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         white=tree.white,
         models=program.signatures,
         parameters=program.nodes,
-        tail=Tail(*assemble(found.tail, tree.width * tree.height), tuple(reflected)),
+        tail=Tail(*assemble(found.tail, tree.width * tree.height), reflected, passed),
     )
 
 

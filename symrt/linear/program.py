@@ -7,9 +7,9 @@ import numpy as np
 
 from symrt.linear.bounds import largest
 from symrt.linear.compiled import Compiled, compile_formula
-from symrt.reflection.models import FORMULAS, LIT
+from symrt.linear.corners import corners
+from symrt.reflection.models import LIT
 from symrt.reflection.nodes import choose_nodes
-from symrt.reflection.polynomials import monomials
 from symrt.symbols import Surface, named
 from symrt.system import Nodes, Shares
 from symrt.tracing.raytree import MaterialRecord
@@ -32,14 +32,17 @@ class Program:
     brightest
         An upper bound, over all materials, of each formula that lights meet: ``direct`` and ``ambient``.
     sent
-        For each formula that further rays meet, and each material, its terms with upper bounds of their coefficients.
+        For each material of the scene, sums that bound the share that it sends on of what further rays bring.
+    lit
+        The materials that lights shine on.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
     signatures: Mapping[str, str]
     nodes: Mapping[str, Nodes]
     brightest: Mapping[str, float]
-    sent: Mapping[str, Mapping[str, Shares]]
+    sent: Mapping[str, tuple[Shares, ...]]
+    lit: frozenset[str]
 
 
 def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
@@ -60,7 +63,8 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
         brightest={field: _brightest(field, materials, nodes) for field in LIT},
-        sent={field: _sent(field, materials, nodes) for field in FORMULAS if field not in LIT},
+        sent=_sent(materials, nodes),
+        lit=frozenset(Surface.of(n).place for n, m in materials.items() if any(m.model.formulas[f] != 0 for f in LIT)),
     )
 
 
@@ -113,15 +117,16 @@ def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> 
     return max(bounds.values(), default=0.0)
 
 
-def _sent(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, Shares]:
-    shares: dict[str, Shares] = {}
+def _sent(materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, tuple[Shares, ...]]:
+    """Bounds of what each material sends on by all its formulas together, its alternatives added."""
+    found: dict[str, tuple[Shares, ...]] = {}
     for name, record in materials.items():
-        ranges = _ranges(name, record, nodes)
-        terms = monomials(record.model.formulas[field]).items()
-        own = tuple((tuple(named(name, component) for component in met), largest(c, ranges)) for met, c in terms)
+        sums = corners(record.model.sent_on, _ranges(name, record, nodes))
+        own = tuple(tuple((tuple(named(name, c) for c in met), most) for met, most in shares) for shares in sums)
         place = Surface.of(name).place
-        shares[place] = shares.get(place, ()) + own
-    return shares
+        before = found.get(place, ())
+        found[place] = tuple(one + other for one in before for other in own) if before and own else before or own
+    return found
 
 
 def _ranges(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, tuple[float, float]]:

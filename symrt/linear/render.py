@@ -146,7 +146,7 @@ def _merge(stage: Stage, program: Program, windows: list[Window], parts: list[Li
         white={name: light.white for name, light in stage.remembered.items()},
         models=program.signatures,
         parameters=program.nodes,
-        tail=Tail(bound, cut, parts[0].tail.reflected if parts[0].tail else ()),
+        tail=replace(parts[0].tail or Tail(bound), bound=bound, interactions=cut),
         seconds={step: sum(part.seconds[step] for part in parts) for step in ("trace", "collapse")},
     )
 

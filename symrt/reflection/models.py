@@ -110,6 +110,11 @@ class Model:
         """Names of the formulas, other than zero, by which the model sends on the radiance of further rays."""
         return frozenset(name for name, formula in self.formulas.items() if name not in LIT and monomials(formula))
 
+    @cached_property
+    def sent_on(self) -> sympy.Expr:
+        """The share of what further rays bring that is sent on, by all formulas together, if all brought the same."""
+        return sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
+
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
         return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
 

@@ -23,7 +23,7 @@ from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
 from symrt.symbols import Symbol, named
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import Interaction, LinearSystem, Shares, Tail
 
 Gamma = Float[np.ndarray, "interaction band"]
 Vectors = Float[np.ndarray, "component band"]
@@ -215,7 +215,8 @@ def node_weights(system: LinearSystem, parameters: Mapping[str, Number]) -> Floa
 def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
     """An upper bound, for each band, on what the depth limit cut off from any pixel; rounded up.
 
-    It is infinite where a material may reflect everything, a reflectance passes 1, or a light's irradiance is unknown.
+    It is infinite where a material that lights shine on may also mirror everything, a reflectance passes 1, or a
+    light's irradiance is unknown.
     """
     spectra = gamma(tail.interactions, palette)
     largest = _most_reflected(tail, palette)
@@ -245,15 +246,22 @@ def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
 
 
 def _most_reflected(tail: Tail, palette: Palette) -> Spectrum:
-    """The largest share of light that any material reflects; at least 1 where none is known."""
-    whole = np.ones(len(palette.bands))
-    shares = [
-        sum((c * np.prod([whole, *(_known(name, palette) for name in met)], axis=0) for met, c in terms), 0 * whole)
-        for terms in tail.reflected
-    ]
+    """The largest share that a material which lights shine on sends on of what rays bring; at least 1 if unknown."""
+    # Mirrors and glass add nothing as long as they send on no more than they receive.
+    shares = [_share(terms, palette) for terms in tail.reflected]
+    passed = [np.where(_share(terms, palette) > 1, np.inf, 0.0) for terms in tail.passed]
     # The bounds of what surfaces send on hold for reflectances up to 1.
-    passing = [np.where(palette[name] > 1, np.inf, 0.0) for name in palette.above_one]
-    return np.max([*(shares or [whole]), *passing], axis=0)
+    above = [np.where(palette[name] > 1, np.inf, 0.0) for name in palette.above_one]
+    unknown = np.ones(len(palette.bands))
+    return np.max([*((shares + passed) or [unknown]), *above], axis=0)
+
+
+def _share(terms: Shares, palette: Palette) -> Spectrum:
+    """A sum of products of reflectances, each times a number."""
+    products = [
+        c * np.prod([np.ones(len(palette.bands)), *(_known(n, palette) for n in met)], axis=0) for met, c in terms
+    ]
+    return np.sum(products, axis=0)
 
 
 def _known(name: str, palette: Palette) -> Spectrum:
