@@ -101,6 +101,11 @@ def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Ite
         compiled = program.compiled[points.material][branch.via]
         if not compiled.terms:
             continue
+        if free := sorted({parameter for _, nodes in compiled.terms for parameter, _ in nodes}):
+            raise ValueError(
+                f"{free[0]} cannot stay free: rays are sent on by the formula {branch.via}, whose paths keep no nodes; "
+                "give it a value instead"
+            )
 
         # The branch's rays that leave from points of this material.
         point_of = np.full(level.size, -1)

@@ -15,7 +15,7 @@ import pytest
 import sympy
 from linear.test_formulas import at_50_digits
 from scenes_for_tests import camera, every_scene, mirrors, small
-from tracing.toys import BACK, EMBER, GLASS, MIRRORED, Twin
+from tracing.toys import BACK, EMBER, GLASS, MIRRORED, SCATTER, Twin
 
 import symrt as rt
 from symrt.tracing import effects
@@ -115,6 +115,13 @@ def test_light_that_hits_send_by_themselves_is_a_column_of_degree_0(monkeypatch)
     assert "ember*ball.mirror" in map(str, system.interactions)
     y, x = divmod(int(np.flatnonzero(seen)[0]), 8)
     assert "ember*radiance" in rt.formula(tree, x, y).text()
+
+
+def test_a_parameter_of_a_formula_that_sends_rays_on_cannot_stay_free(monkeypatch):
+    monkeypatch.setattr(effects, "EFFECTS", (*effects.EFFECTS, SCATTER))
+    tree = rt.trace(replace(mirrors(model="phong", depth=1, exponent=20), camera=camera(4)))
+    with pytest.raises(ValueError, match=r"ball\.exponent cannot stay free: rays are sent on by the formula direct"):
+        rt.collapse(tree, free=["ball.exponent"])
 
 
 def test_a_light_may_reach_a_hit_several_times():
