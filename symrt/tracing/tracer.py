@@ -131,6 +131,8 @@ def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
     """Join all rays that were sent on into one batch; effects' states are inherited where they did not change."""
     if not sent:
         return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})
+
+    # The rays; −1 where no shape is known that a ray has left for good.
     rays = Rays(
         np.concatenate([one.rays.origin for one in sent], axis=1),
         np.concatenate([one.rays.direction for one in sent], axis=1),
@@ -138,6 +140,8 @@ def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
             [np.full(len(one.rays), -1, np.int32) if one.rays.left is None else one.rays.left for one in sent]
         ),
     )
+
+    # The film sample and the states of the hits that they left.
     sample = np.concatenate([batch.sample[one.hit] for one in sent])
     state = {
         name: np.concatenate([one.state[name] if name in one.state else values[one.hit] for one in sent])
