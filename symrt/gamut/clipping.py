@@ -21,12 +21,16 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt import fast
+
 TILE = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
 INWARD = 2.0**-51
 """4u, because (1 + u)³ (1 − 4u) < 1: difference, quotient, and the rounding of the move itself."""
 SAFE = 2.0**200
 """Differences and quotients of numbers between 1/SAFE and SAFE neither overflow nor vanish."""
+NUMBERS = 32
+"""Numbers that NumPy clips in the time in which it asks a ray about a shape."""
 TINY = 2.0**-600
 """Ends smaller than this may have lost digits, or vanished, if an origin is tiny."""
 STEPS = 2.0**-1072
@@ -164,6 +168,11 @@ def _quotients(
     lower: Bounds, upper: Bounds, q: Lines, d: Lines, scratch: _Scratch, low: Ends, high: Ends
 ) -> Bool[np.ndarray, " pixel"]:
     """Write the ends of a tile's intervals, unmoved; say for which pixels they cannot be relied on."""
+    kernels = fast.kernels("symrt.gamut.fast.slabs", q.size // NUMBERS + 1)
+    if kernels and all(values.dtype == np.float64 for values in (lower, upper, q, d)):
+        careful = np.empty(len(q), dtype=bool)
+        kernels.quotients(*map(_ready, (lower, upper, q, d)), low, high, careful)
+        return careful
     first, near, far = scratch
     if not _largest(d) < SAFE:  # nan fails the test, too
         return np.ones(len(q), dtype=bool)
@@ -231,7 +240,8 @@ def _certified(
 ) -> Interval:
     """Move the ends inwards; where that empties an interval, let exact rationals decide."""
     size = [np.where(np.isfinite(end), INWARD * np.abs(end), 0.0) for end in ends]
-    low, high = ends[0] + size[0], ends[1] - size[1]
+    # Adding 0 takes the sign from a zero: it would hang on the order of the slabs.
+    low, high = ends[0] + size[0] + 0.0, ends[1] - size[1] + 0.0
     certainly_empty = (ends[0] - (size[0] + 4 * STEPS) > ends[1] + (size[1] + 4 * STEPS)) & ~doubtful
     uncertain = np.zeros(len(low), dtype=bool)
     for pixel in np.flatnonzero(((low > high) & ~certainly_empty) | doubtful):
@@ -269,6 +279,11 @@ def _float_towards(value: Fraction, side: float) -> float:
         nearest = np.inf if value > 0 else -np.inf
     wrong_side = nearest < value if side > 0 else nearest > value
     return float(np.nextafter(nearest, side)) if wrong_side else nearest
+
+
+def _ready(values: np.ndarray) -> np.ndarray:
+    """The same numbers as kernels take them: one after the other, in memory that may be written."""
+    return values if values.flags.c_contiguous and values.flags.writeable else np.array(values, order="C")
 
 
 def _largest(values: Lines) -> float:

@@ -1,13 +1,16 @@
 """Certified clipping, against exact rationals and a linear programme."""
 
 from fractions import Fraction
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from symrt import fast
 from symrt.device.inks import load_device
-from symrt.gamut.clipping import blocking, clip_slabs
+from symrt.gamut import clipping
+from symrt.gamut.clipping import blocking
 from symrt.gamut.gamuts import device_gamut as every_gamut
 from symrt.gamut.interface import clip
 from symrt.gamut.slabs import device_gamut
@@ -15,7 +18,21 @@ from symrt.spectra.bands import wavelengths
 
 UNIT = Fraction(1, 2**53)
 FEW, MANY = 2_000, 100_000
+needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="numba is not installed")
 DRAWS = [FEW, pytest.param(MANY, marks=pytest.mark.exhaustive)]
+
+
+def clip_slabs(*lines, **named):
+    """The clip by NumPy; the kernel's is the same, so that each law is held by both."""
+    with fast.use(False):
+        found = clipping.clip_slabs(*lines, **named)
+    if find_spec("numba") is not None:
+        with fast.use(True):
+            compiled = clipping.clip_slabs(*lines, **named)
+        for name in ("low", "high", "uncertain"):
+            np.testing.assert_array_equal(getattr(compiled, name), getattr(found, name), strict=True)
+            np.testing.assert_array_equal(np.signbit(getattr(compiled, name)), np.signbit(getattr(found, name)))
+    return found
 
 
 def exact_interval(lower, upper, origin, direction):
@@ -155,14 +172,15 @@ def test_an_origin_that_is_subnormal_keeps_its_sign(origin, top):
     assert -origin <= low <= -origin + 4 * 5e-324
 
 
+@pytest.mark.parametrize("kernels", [False, pytest.param(True, marks=needs_numba)])
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_a_pixel_that_is_not_finite_is_named(bad):
+def test_a_pixel_that_is_not_finite_is_named(bad, kernels):
     # L3
     for where in ("origin", "direction"):
         lines = {"origin": np.full((5000, 4), 0.5), "direction": np.ones((5000, 4))}
         lines[where][4321, 2] = bad
-        with pytest.raises(ValueError, match=f"pixel 4321, slab 2: the {where} is"):
-            clip_slabs(np.zeros(4), np.ones(4), **lines)
+        with pytest.raises(ValueError, match=f"pixel 4321, slab 2: the {where} is"), fast.use(kernels):
+            clipping.clip_slabs(np.zeros(4), np.ones(4), **lines)
 
 
 def test_bounds_upside_down_are_named():
@@ -295,3 +313,15 @@ def test_pixels_known_to_rest_are_inside_or_not_as_if_it_were_not_known():
     origin[np.flatnonzero(~moving)[7], 1] = np.nan
     with pytest.raises(ValueError, match=f"pixel {np.flatnonzero(~moving)[7]}, slab 1"):
         clip_slabs(*lines, moving)
+
+
+def test_what_numpy_and_the_kernel_read_may_lie_anywhere_in_memory():
+    lower, upper, origin, direction = scaled_draws(300, 36, 1)
+    one = clip_slabs(lower, upper, origin, direction)
+    aside = np.asfortranarray(origin), np.repeat(direction, 2, axis=1)[:, ::2]
+    still = [np.array(values) for values in (lower, upper)]
+    for values in still:
+        values.flags.writeable = False
+    other = clip_slabs(*still, *aside)
+    np.testing.assert_array_equal(one.low, other.low)
+    np.testing.assert_array_equal(one.high, other.high)

@@ -1,0 +1,1 @@
+"""The certified clip, compiled: see `symrt.gamut.clipping`."""
