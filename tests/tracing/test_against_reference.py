@@ -80,7 +80,9 @@ class Case:
     """A scene file, and what no file can say: for symrt, and in the words of the plain tracer.
 
     `effects` take the place of mirrors; `ours` changes symrt's scene, `asked` is said to `trace`; `theirs` changes the
-    plain scene.  `brightest` are the largest shares that a surface sends of each light, times its largest irradiance.
+    plain scene.  `brightest` are the largest shares that a surface sends of each light, times its largest irradiance;
+    `bounded` changes the plain scene once more, to one that shows the bound on the light of an effect left out, and
+    `whole` to one that leaves nothing out.
     """
 
     table: dict
@@ -90,6 +92,8 @@ class Case:
     theirs: dict = field(default_factory=dict)
     spectra: tuple = ()
     brightest: dict = field(default_factory=lambda: {"sun": 1 / math.pi, "sky": 1.0})
+    bounded: dict = field(default_factory=dict)
+    whole: dict = field(default_factory=dict)
 
 
 GLAZED = {"model": ["lambert", "mirror"]}
@@ -119,10 +123,31 @@ TEXTURED["shapes"] = [*TEXTURED["shapes"], CRATE | {"centre": [1.5, 0.7, 0.4], "
 LAMPLIT = {"sun": 17 / math.pi, "sky": 1.0, "glow": 0.0}  # a lobe of exponent 30 adds (30 + 2)/2π to a diffuser's 1/π
 OWN = {"model": [{"direct": lambert, "ambient": from_everywhere, "reflected": schlick}]}
 
+
+def as_bright_as_can_be(via, share):
+    """The room's materials, each sending on the same share of all light by one formula, whatever its angle."""
+    bright = {"model": [{via: lambda *_: [("", share)]}, "mirror"]}
+    return {"red": bright, "floor": bright, "chrome": {"model": "mirror"}}
+
+
 CASES = {
     "mirrors": Case(room()),
     "mirrors at depth 0": Case(room() | {"depth": 0}),
     "mirrors left out": Case(room(), asked={"force": {"mirrors": False}}, theirs={"depth": 0}),
+    "shadows left out": Case(
+        room(),
+        asked={"force": {"shadows": False}},
+        theirs={"unshadowed": {"sun"}},
+        bounded={"materials": as_bright_as_can_be("direct", 1 / math.pi), "ambient": []},
+        whole={"unshadowed": set()},
+    ),
+    "the sky left out": Case(
+        room(),
+        asked={"force": {"ambient": False}},
+        theirs={"ambient": []},
+        bounded={"materials": as_bright_as_can_be("ambient", 1.0), "ambient": ["sky"], "lights": {}},
+        whole={"ambient": ["sky"]},
+    ),
     "two branches with fixed shares": Case(room(), (GLASS,), theirs={"sending": (glass,)}),
     "two branches in a furnace": Case(
         FURNACE, (GLASS,), theirs={"sending": (glass,)}, brightest={"lamp": 1 / (4 * math.pi)}
@@ -264,12 +289,14 @@ def test_the_tail_is_what_cut_rays_bring_if_all_is_as_bright_as_can_be(told):
     columns = [np.prod([spectra[name] for name in (i.light, *i.met)], axis=0) for i in tail.interactions]
     bound = (tail.bound @ np.array(columns)).reshape(HEIGHT, WIDTH, 4)
     expected = told.seen(beyond="beyond") - told.picture
+    if told.case.bounded:
+        expected += told.seen(**told.case.bounded)
     assert expected.max() > 0
     np.testing.assert_allclose(bound, expected, rtol=1e-9, atol=1e-15)
 
 
-def test_what_is_missing_at_a_depth_is_within_the_certificate(told):
+def test_what_is_missing_is_within_the_certificate(told):
     image = rt.shade(rt.collapse(told.tree()), told.palette)
-    missing = (told.seen(depth=told.plain.depth + 1) - told.picture).max(axis=(0, 1))
+    missing = abs(told.seen(depth=told.plain.depth + 1, **told.case.whole) - told.picture).max(axis=(0, 1))
     assert np.all(missing > 0)
     assert np.all(missing <= image.cut_off)
