@@ -1,4 +1,4 @@
-"""How many basis spectra a device needs: errors in reflectance and in colour against their number, for step 4.
+"""Errors of a device's prints in reflectance and in colour against the number of basis spectra kept: step 4.
 
 A print kept to its first k components differs from itself by a root mean square of reflectance, and in colour by a
 CIEDE2000 under a viewing light.  Both are told for the basis whose first spectrum is constant and for plain principal
@@ -24,9 +24,9 @@ from symrt.gamut.basis import Samples, uniform_first
 from symrt.spectra.bands import Number
 from symrt.spectra.library import colour_difference
 
-SHOWN = 8
+ROWS_SHOWN = 8
 """Numbers of components in the table; then the one from which nothing is missing."""
-HEAD = ("components", "RMS", "plain", "mean ΔE2000", "plain", "largest ΔE2000", "plain")
+COLUMNS = ("components", "RMS", "plain", "mean ΔE2000", "plain", "largest ΔE2000", "plain")
 
 Errors = Float[np.ndarray, " component"]
 
@@ -40,11 +40,11 @@ class BasisReport:
     device
         The printer's name.
     modelled
-        Whether its prints come from a model.
+        True if its prints come from a model, false if they were measured.
     light
         The viewing light of colour differences.
     prints
-        How many there are.
+        Number of prints.
     rank
         Number of components after the constant one that the prints determine.
     cosine
@@ -82,11 +82,11 @@ class BasisReport:
         """The table's cells, its head first: a few numbers of components, and that which determines all."""
         last = min(self.rank + 1, len(self.rms))
         columns = (self.rms, self.rms_plain, self.mean, self.mean_plain, self.largest, self.largest_plain)
-        shown = [*range(1, min(SHOWN, last) + 1), *([last] if last > SHOWN else [])]
-        return [HEAD, *((str(k), *(f"{column[k - 1]:.3g}" for column in columns)) for k in shown)]
+        shown = [*range(1, min(ROWS_SHOWN, last) + 1), *([last] if last > ROWS_SHOWN else [])]
+        return [COLUMNS, *((str(k), *(f"{column[k - 1]:.3g}" for column in columns)) for k in shown)]
 
     def summary(self) -> str:
-        """What the numbers come to, in a sentence."""
+        """The rank, and the number of components that suffices, in a sentence."""
         first, plain = self.enough()
         return (
             f"Rank {self.rank} after the constant spectrum; the first principal component is {self.cosine:.4f} "
@@ -95,7 +95,7 @@ class BasisReport:
         )
 
     def what(self) -> str:
-        """What was kept to few components."""
+        """The prints in words: their number, their kind and their device."""
         return f"{self.prints} {'modelled' if self.modelled else 'measured'} prints of {self.device}"
 
     def __str__(self) -> str:
@@ -138,10 +138,13 @@ def basis_report(device: Device | Monitor, light: str = "illuminant/D50") -> Bas
     Rank 30 after the constant spectrum; the first principal component is 0.9351 constant. No print is off by more than
     ΔE2000 = 1 under illuminant/D50 from 9 components on, plain from 9.
     """
+    # Take the prints' basis with the constant spectrum first, and the plain principal components.
     device = printer_of(device)
     basis, observer = uniform_first(device.samples), tristimulus(device.bands, light)
     # The triangle has the samples' right singular vectors; signs do not matter here.
     plain = np.linalg.svd(np.linalg.qr(device.samples, mode="r"), full_matrices=True).Vh
+
+    # Compare the colours of prints kept to their first components with those of the prints.
     seen = [_differences(device.samples, vectors, observer, light) for vectors in (basis.vectors, plain)]
     return BasisReport(
         device=device.name,

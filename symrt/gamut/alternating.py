@@ -28,17 +28,17 @@ from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.basis import uniform_first
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import WIDER, ConvexGamut, SlabGamut, of_one_band
-from symrt.gamut.joining import clipped_by_all, joined
+from symrt.gamut.joining import clipped_by_all, merged
 from symrt.gamut.polyhedra import Normals, Offsets, deepest, halfspaces, nearest_point
 
-THIN = 1e-9
+THINNEST = 1e-9
 """An intersection that holds no ball larger than this counts as empty."""
-AIM = 1e-9
+SETTLED = 1e-9
 """Change of the moves in a round, by root of the sum of their squares, at which the projections stop."""
-FAR = 2.0**-43
+FAR_SHARE = 2.0**-43
 """Share of a spectrum's length that its nearest point may be off by: of what is far away, projections stop there."""
 TURNS = 50
-ROUNDS = 1000
+PLANES_TRIED = 1000
 """Planes that are tried before a search is given up as hopeless."""
 SHRINKS = 60
 
@@ -46,7 +46,7 @@ Project = Callable[[PixelBands], PixelBands]
 
 
 def deep_inside(parts: Sequence[ConvexGamut]) -> tuple[Spectrum, float]:
-    """A point deep inside all, and the radius of a ball around it; not above `THIN` if they have nothing in common.
+    """A point deep inside all, and the radius of a ball around it; not above `THINNEST` if they have nothing in common.
 
     Where a part is no polyhedron, the ball is one that no plane seen so far cuts.
 
@@ -62,7 +62,7 @@ def deep_inside(parts: Sequence[ConvexGamut]) -> tuple[Spectrum, float]:
     # Within half of a hull's tolerance is well within it; only where there is nothing the whole is looked at.
     half = [replace(part, tolerance=part.tolerance / 2) if isinstance(part, HullGamut) else part for part in others]
     centre, radius = _deepest(normals, offsets, half)
-    return (centre, radius) if radius > THIN or not others else _deepest(normals, offsets, others)
+    return (centre, radius) if radius > THINNEST or not others else _deepest(normals, offsets, others)
 
 
 def nearest_to_all(parts: Sequence[ConvexGamut], inner: Spectrum, spectra: PixelBands) -> PixelBands:
@@ -119,12 +119,15 @@ def _by_turns(turns: Sequence[Project], points: PixelBands) -> tuple[PixelBands,
     found, rows = points.copy(), np.arange(len(points))
     moves, aim = np.zeros((len(turns), *points.shape)), _aims(points)
     for _ in range(TURNS):
+        # Each part projects the points after its own last move is taken back.
         change = np.zeros(len(rows))
         for turn, project in enumerate(turns):
             given = found[rows] - moves[turn, rows]
             found[rows] = project(given)
             change += np.sum((found[rows] - given - moves[turn, rows]) ** 2, axis=1)
             moves[turn, rows] = found[rows] - given
+
+        # Points whose moves hardly change any more have arrived.
         rows = rows[change > aim[rows] ** 2]
         if not rows.size:
             break
@@ -132,16 +135,19 @@ def _by_turns(turns: Sequence[Project], points: PixelBands) -> tuple[PixelBands,
 
 
 def _aims(points: PixelBands) -> PerPixel:
-    return np.maximum(AIM, FAR * np.linalg.norm(points, axis=1))
+    return np.maximum(SETTLED, FAR_SHARE * np.linalg.norm(points, axis=1))
 
 
 def _from_outside(planes: tuple[Normals, Offsets], others: Sequence[ConvexGamut], points: PixelBands) -> PixelBands:
     """The nearest point of a polyhedron, which gets one more plane for every part that the point still misses."""
     known, found, rows = [planes] * len(points), points.copy(), np.arange(len(points))
     aim = _aims(points)
-    for _ in range(ROUNDS):
+    for _ in range(PLANES_TRIED):
+        # Go to the nearest point of what the planes so far enclose.
         for row in rows:
             found[row] = nearest_point(*known[row], points[row])
+
+        # Add a plane for every part that still misses it.
         missed = np.zeros(len(rows), dtype=bool)
         for part in others:
             near = part.nearest(found[rows])
@@ -154,15 +160,21 @@ def _from_outside(planes: tuple[Normals, Offsets], others: Sequence[ConvexGamut]
         rows = rows[missed]
         if not rows.size:
             return found
-    raise ArithmeticError(f"the spectrum of {others[0].name} nearest to one given was not found in {ROUNDS} rounds")
+
+    raise ArithmeticError(
+        f"the spectrum of {others[0].name} nearest to one given was not found in {PLANES_TRIED} rounds"
+    )
 
 
 def _pulled(parts: Sequence[ConvexGamut], inner: Spectrum, points: PixelBands) -> PixelBands:
     """Each point, or the last one inside on the way to it from deep inside."""
+    # Clip the way from the inner point.
     rows = np.flatnonzero(~_in_all(parts, points))
     points, start = points.copy(), np.tile(inner, (len(rows), 1))
     way = points[rows] - start
     t = np.minimum(clipped_by_all(parts, start, way).high, 1.0)
+
+    # Step back from the end, by ever more, until each part contains the rounded sum.
     for step in range(SHRINKS):
         tried = start + t[:, None] * way
         left = ~_in_all(parts, tried)
@@ -180,20 +192,24 @@ def _planes(parts: Sequence[ConvexGamut]) -> tuple[Normals, Offsets, list[Convex
     others = [part for part in parts if not isinstance(part, SlabGamut)]
     if not slabs:
         return np.empty((0, len(parts[0].bands))), np.empty(0), others
-    whole = joined(slabs)
+    whole = merged(slabs)
     # Slabs of colours are wider than their gamuts, so that lines through the boundary are inside.
     wider = np.where(of_one_band(whole.matrix), 0, WIDER)
     return *halfspaces(whole.matrix, whole.lower + wider, whole.upper - wider), others
 
 
 def _deepest(normals: Normals, offsets: Offsets, others: Sequence[ConvexGamut]) -> tuple[Spectrum, float]:
+    """The deepest point of half-spaces that all other parts contain, by cutting planes."""
+    # Enclose the other parts in boxes along their own axes, so that the first point is not far away.
     for part in others:
         axes = uniform_first(part.devices[0].samples).vectors
         directions = np.vstack([axes, -axes])
         normals, offsets = np.vstack([normals, directions]), np.append(offsets, part.support(directions))
-    for _ in range(ROUNDS):
+
+    # Cut the point off from every part that does not contain it, until all do or too little is left.
+    for _ in range(PLANES_TRIED):
         centre, radius = deepest(normals, offsets)
-        beyond = [part for part in others if not part.contains(centre[None])[0]] if radius > THIN else []
+        beyond = [part for part in others if not part.contains(centre[None])[0]] if radius > THINNEST else []
         if not beyond:
             return centre, radius
         for part in beyond:

@@ -94,15 +94,20 @@ def uniform_first(samples: Samples) -> Basis:
     >>> basis.vectors[1].round(3).tolist()
     [-0.289, -0.289, -0.289, 0.866]
     """
+    # Bring the samples to size 1 and few rows.
     scaled, scale = _scaled(samples)
     # The triangle has the samples' right singular vectors and values, and at most as many rows as there are bands.
     scaled = np.asarray(np.linalg.qr(scaled, mode="r"))
+
+    # Take out the constant direction, and find the principal components of the rest.
     bands = samples.shape[1]
     constant = np.full(bands, 1 / np.sqrt(bands))
     deflated = scaled
     for _ in range(2):  # the second time takes out what rounding left of the first
         deflated = deflated - np.outer(deflated @ constant, constant)
     _, singular, right = np.linalg.svd(deflated, full_matrices=False)
+
+    # Singular values that are no more than rounding, or noise, tell of no component.
     plain = np.linalg.svd(scaled, full_matrices=False)
     size = plain.S[0]
     rank = min(int(np.sum(singular > max(samples.shape) * np.finfo(float).eps * size)), bands - 1)
@@ -113,6 +118,8 @@ def uniform_first(samples: Samples) -> Basis:
             UserWarning,
             stacklevel=2,
         )
+
+    # Complete the basis, and measure what the first components leave.
     vectors = _completed(constant, right[:rank])
     return Basis(
         vectors=vectors,

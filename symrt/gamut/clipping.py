@@ -1,4 +1,4 @@
-"""Clip lines to slabs, certified: what step 5 of the paper asks of a gamut, by Liang and Barsky in any dimension.
+"""Clip lines to slabs, certified, by Liang and Barsky's method in any dimension: step 5 of the paper.
 
 Changing one parameter ``t`` moves a pixel along ``origin + t direction``.  A slab ``lower <= r <= upper`` allows the
 ``t`` between ``(lower - origin) / direction`` and ``(upper - origin) / direction``, **closed**; where the direction is
@@ -15,15 +15,15 @@ References
 """
 
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from symrt import fast
+from symrt.gamut.exact import clip_exactly
 
-TILE = 1 << 15
+TILE_NUMBERS = 1 << 15
 """Numbers in a tile: the five arrays of a tile stay in a core's cache."""
 INWARD = 2.0**-51
 """4u, because (1 + u)³ (1 − 4u) < 1: difference, quotient, and the rounding of the move itself."""
@@ -33,12 +33,12 @@ NUMBERS = 32
 """Numbers that NumPy clips in the time in which it asks a ray about a shape."""
 TINY = 2.0**-600
 """Ends smaller than this may have lost digits, or vanished, if an origin is tiny."""
-STEPS = 2.0**-1072
+SUBNORMAL = 2.0**-1072
 """Below the normal numbers an error of 4u is not relative; four of the smallest steps there cover it."""
 
 Lines = Float[np.ndarray, "pixel slab"]
 Bounds = Float[np.ndarray, " slab"]
-Ends = Float[np.ndarray, " pixel"]
+LineEnds = Float[np.ndarray, " pixel"]
 Pixels = Int[np.ndarray, " pixel"]
 
 
@@ -54,8 +54,8 @@ class Interval:
         Pixels that some real t keeps inside, but no float: counted as empty.
     """
 
-    low: Ends
-    high: Ends
+    low: LineEnds
+    high: LineEnds
     uncertain: Bool[np.ndarray, " pixel"]
 
     @property
@@ -107,27 +107,36 @@ def clip_slabs(
     >>> clip_slabs(np.zeros(2), np.ones(2), np.zeros((1, 2)), grey).high.round(12)
     array([2.])
     """
+    # Refuse bad bounds; without slabs nothing is bounded.
     _check_bounds(lower, upper)
     pixels, slabs = origin.shape
     low, high, doubtful = np.empty(pixels), np.empty(pixels), np.zeros(pixels, dtype=bool)
     if slabs == 0:
         return Interval(np.full(pixels, -np.inf), np.full(pixels, np.inf), doubtful)
-    size = min(max(1, TILE // slabs), max(1, pixels))
+
+    # Walk through the pixels in tiles that stay in cache.
+    size = min(max(1, TILE_NUMBERS // slabs), max(1, pixels))
     scratch = _Scratch(*(np.empty((size, slabs)) for _ in range(3)))
     ordinary = _ordinary(lower) and _ordinary(upper)
     with np.errstate(all="ignore"):
         for start in range(0, pixels, size):
             rows: slice | Pixels = slice(start, min(start + size, pixels))
             q, d = origin[rows], direction[rows]
+
+            # Pixels that do not move need no quotient.
             if moving is not None:
                 some = np.flatnonzero(moving[rows])
                 low[rows], high[rows] = _resting(lower, upper, q, start)
                 rows, q, d = start + some, q[some], d[some]
                 if not len(q):
                     continue
+
+            # Divide, the plain way.
             room = _Scratch(*(s[: len(q)] for s in scratch))
             ends = np.empty(len(q)), np.empty(len(q))
             careful = _quotients(lower, upper, q, d, room, *ends)
+
+            # Divide again with scaled numbers where digits may have been lost: overflow, underflow, or 0/0.
             again = np.flatnonzero(careful) if ordinary else np.arange(len(q))
             if again.size:
                 numbers = np.arange(pixels)[rows][again]
@@ -136,6 +145,8 @@ def clip_slabs(
                 ends[0][again], ends[1][again] = near.max(axis=1), far.min(axis=1)
                 doubtful[numbers] = doubt.any(axis=1)
             low[rows], high[rows] = ends
+
+        # Round the ends inwards.
         return _certified(lower, upper, origin, direction, (low, high), doubtful)
 
 
@@ -153,7 +164,7 @@ def blocking(lower: Bounds, upper: Bounds, origin: Lines, direction: Lines) -> I
     return np.array([near.argmax(axis=1), far.argmin(axis=1)])
 
 
-def _resting(lower: Bounds, upper: Bounds, q: Lines, start: int) -> tuple[Ends, Ends]:
+def _resting(lower: Bounds, upper: Bounds, q: Lines, start: int) -> tuple[LineEnds, LineEnds]:
     """All of the line, or none, for pixels that do not move: they need no quotient."""
     met = (lower <= q) & (q <= upper)
     if met.all():
@@ -165,17 +176,21 @@ def _resting(lower: Bounds, upper: Bounds, q: Lines, start: int) -> tuple[Ends, 
 
 
 def _quotients(
-    lower: Bounds, upper: Bounds, q: Lines, d: Lines, scratch: _Scratch, low: Ends, high: Ends
+    lower: Bounds, upper: Bounds, q: Lines, d: Lines, scratch: _Scratch, low: LineEnds, high: LineEnds
 ) -> Bool[np.ndarray, " pixel"]:
     """Write the ends of a tile's intervals, unmoved; say for which pixels they cannot be relied on."""
+    # A compiled form gives the same bits, where there is enough to do.
     kernels = fast.kernels("symrt.gamut.fast.slabs", q.size // NUMBERS + 1)
     if kernels and all(values.dtype == np.float64 for values in (lower, upper, q, d)):
         careful = np.empty(len(q), dtype=bool)
         kernels.quotients(*map(_ready, (lower, upper, q, d)), low, high, careful)
         return careful
+
     first, near, far = scratch
     if not _largest(d) < SAFE:  # nan fails the test, too
         return np.ones(len(q), dtype=bool)
+
+    # Each slab gives two quotients; the later of the firsts and the earlier of the lasts bound the interval.
     for bound, ends in ((lower, near), (upper, far)):
         np.subtract(bound, q, out=ends)
         np.divide(ends, d, out=ends)
@@ -183,8 +198,11 @@ def _quotients(
     np.maximum(near, far, out=far)
     first.max(axis=1, out=low)
     far.min(axis=1, out=high)
+
     # nan stands for 0 / 0: parallel to a slab and on its face.
     careful = np.isnan(low) | np.isnan(high)
+
+    # Ends that are tiny or infinite may have lost digits, or vanished, or overflowed: the numbers' sizes tell.
     small = (np.abs(low) < TINY) | (np.abs(high) < TINY)
     if small.any() and _smallest(q, near) < TINY * SAFE:
         careful |= small
@@ -224,7 +242,7 @@ def _unscaled(
 ) -> tuple[Lines, Bool[np.ndarray, "pixel slab"]]:
     values = np.ldexp(ends, exponent)
     vanished = (np.abs(values) < np.finfo(float).tiny) & (ends != 0)
-    values = np.where(vanished, values + np.copysign(STEPS, inward), values)
+    values = np.where(vanished, values + np.copysign(SUBNORMAL, inward), values)
     burst = np.isfinite(ends) & np.isinf(values)
     values = np.where(burst, np.nextafter(values, inward), values)
     return values, burst & np.isinf(values)
@@ -235,50 +253,23 @@ def _certified(
     upper: Bounds,
     origin: Lines,
     direction: Lines,
-    ends: tuple[Ends, Ends],
+    ends: tuple[LineEnds, LineEnds],
     doubtful: Bool[np.ndarray, " pixel"],
 ) -> Interval:
     """Move the ends inwards; where that empties an interval, let exact rationals decide."""
     size = [np.where(np.isfinite(end), INWARD * np.abs(end), 0.0) for end in ends]
     # Adding 0 takes the sign from a zero: it would hang on the order of the slabs.
     low, high = ends[0] + size[0] + 0.0, ends[1] - size[1] + 0.0
-    certainly_empty = (ends[0] - (size[0] + 4 * STEPS) > ends[1] + (size[1] + 4 * STEPS)) & ~doubtful
+
+    # An interval that is empty even when its ends are moved outwards is empty for certain; decide the others exactly.
+    certainly_empty = (ends[0] - (size[0] + 4 * SUBNORMAL) > ends[1] + (size[1] + 4 * SUBNORMAL)) & ~doubtful
     uncertain = np.zeros(len(low), dtype=bool)
     for pixel in np.flatnonzero(((low > high) & ~certainly_empty) | doubtful):
-        low[pixel], high[pixel], uncertain[pixel] = _exact(lower, upper, origin[pixel], direction[pixel])
+        low[pixel], high[pixel], uncertain[pixel] = clip_exactly(lower, upper, origin[pixel], direction[pixel])
+
     # Parallel and outside, both ends are at the same infinity.
     empty = (low > high) | (low == np.inf) | (high == -np.inf) | uncertain
     return Interval(np.where(empty, np.inf, low), np.where(empty, -np.inf, high), uncertain)
-
-
-def _exact(lower: Bounds, upper: Bounds, q: Bounds, d: Bounds) -> tuple[float, float, bool]:
-    """The floats inside one pixel's interval, and whether it is non-empty although it holds no float."""
-    enter, leave = [], []
-    for bound_low, bound_high, origin, direction in zip(
-        lower.tolist(), upper.tolist(), q.tolist(), d.tolist(), strict=True
-    ):
-        if direction == 0:
-            if not bound_low <= origin <= bound_high:
-                return np.inf, -np.inf, False
-            continue
-        first, last = (bound_low, bound_high) if direction > 0 else (bound_high, bound_low)
-        enter += [(Fraction(first) - Fraction(origin)) / Fraction(direction)] if np.isfinite(first) else []
-        leave += [(Fraction(last) - Fraction(origin)) / Fraction(direction)] if np.isfinite(last) else []
-    if enter and leave and max(enter) > min(leave):
-        return np.inf, -np.inf, False
-    low = _float_towards(max(enter), np.inf) if enter else -np.inf
-    high = _float_towards(min(leave), -np.inf) if leave else np.inf
-    return low, high, low > high or low == np.inf or high == -np.inf
-
-
-def _float_towards(value: Fraction, side: float) -> float:
-    """The float nearest to `value` that is not on the other side of it."""
-    try:
-        nearest = float(value)
-    except OverflowError:
-        nearest = np.inf if value > 0 else -np.inf
-    wrong_side = nearest < value if side > 0 else nearest > value
-    return float(np.nextafter(nearest, side)) if wrong_side else nearest
 
 
 def _ready(values: np.ndarray) -> np.ndarray:

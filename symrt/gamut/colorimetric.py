@@ -23,15 +23,15 @@ from symrt.arrays import PerPixel, PixelBands
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
+from symrt.gamut.hull import SEED
 from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
 from symrt.spectra.library import colour_difference
 
-TRIED = 256
+COLOURS_TRIED = 256
 """Prints that the sampling gap is measured with."""
-SEED = 0
 STEP = 1e-6
 """Of XYZ, in which the direction of a face is looked at."""
 DARKEST = 1e-3
@@ -82,7 +82,7 @@ class ColorimetricGamut(OfPrinter):
 
     @property
     def label(self) -> str:
-        """What being inside proves."""
+        """The claim that being inside proves."""
         return f"necessary for a colour match under {self.light}, as far as the samples are dense"
 
     @property
@@ -106,7 +106,7 @@ class ColorimetricGamut(OfPrinter):
         return self.violation(spectra) == 0
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far the colour of each spectrum is beyond the worst face, in XYZ; 0 inside, and within rounding of it."""
+        """The distance of each colour beyond the worst face, in XYZ; 0 inside, and within rounding of the boundary."""
         check_spectra(spectra, self.bands)
         worst = ((spectra @ self.observer) @ self.normals.T - self.offsets).max(axis=1)
         return beyond_rounding(worst, spectra, self.observer)
@@ -149,10 +149,13 @@ class ColorimetricGamut(OfPrinter):
         return self.slabs.clip(origin, direction)
 
     def _sides(self) -> list[str]:
-        """What a colour becomes that leaves the solid by each face: the direction in L*a*b* from the face's middle."""
+        """A word for each face, ``light`` or ``red``: the direction outwards in L*a*b* from its middle."""
         on_face = np.abs(self.colours @ self.normals.T - self.offsets) <= ROUNDING
+        # The middle of a face is the mean of its corners; a small step along the normal gives its direction in L*a*b*.
         middles = (on_face.T @ self.colours) / np.maximum(on_face.sum(axis=0), 1)[:, None]
         away = lab(middles + STEP * self.normals, self.light) - lab(middles, self.light)
+
+        # Name the lightness where it changes most, otherwise the nearest of four hues.
         hue = np.round(np.degrees(np.arctan2(away[:, 2], away[:, 1])) / 90).astype(int) % 4
         chroma = np.hypot(away[:, 1], away[:, 2])
         return [
@@ -192,6 +195,8 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
     """
     if not 0 <= tolerance <= 1:
         raise ValueError(f"tolerance = {tolerance}: it is a share of a colour's luminance, from 0 to 1")
+
+    # Enclose the colours of the prints.
     xyz = device.samples @ tristimulus(device.bands, light)
     try:
         hull = ConvexHull(xyz)
@@ -200,6 +205,8 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
             f"{device.name}: the colours of its {len(xyz)} prints lie in a plane or a line, or are fewer than four: "
             "a solid needs prints of more colours"
         ) from None
+
+    # Measure the gap that sampling leaves, and move the faces out by it or by the tolerance.
     gap, gap_delta_e = _sampling_gap(device, light, xyz, hull)
     wide = max(float(tolerance), gap or 0.0)
     if wide:
@@ -208,6 +215,8 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
         tilted, moved = hull.equations - [0.0, wide, 0.0, 0.0], hull.equations - [0.0, 0.0, 0.0, wide * xyz[:, 1].max()]
         faces = np.vstack([tilted, moved])
         hull = ConvexHull(HalfspaceIntersection(faces, xyz[hull.vertices].mean(axis=0)).intersections)
+
+    # Qhull gives triangles: those of one face share an equation, which is kept once.
     faces = np.unique(hull.equations, axis=0)
     corners = hull.points[hull.vertices]
     return ColorimetricGamut(device, light, corners, faces[:, :3], -faces[:, 3], wide, gap, gap_delta_e)
@@ -216,7 +225,7 @@ def colorimetric_gamut(device: Device, light: str = "illuminant/D50", tolerance:
 def _sampling_gap(
     device: Device, light: str, xyz: Float[np.ndarray, "print 3"], hull: ConvexHull
 ) -> tuple[float, float] | tuple[None, None]:
-    """How far colours of prints that are not among the samples are outside the hull, by luminance and in CIEDE2000.
+    """The distance of colours of further prints from the hull, as a share of luminance and in CIEDE2000.
 
     A printer's model prints some anew, saturated ones among them, and the farthest counts.  Without one each of some
     prints is taken from the chart in turn, and 95 % count: the corners of a gamut are far from all other prints.
@@ -224,18 +233,22 @@ def _sampling_gap(
     """
     draw = np.random.default_rng(SEED)
     if device.printer and device.modelled:
+        # Print new amounts: each ink at none, at its most, or anywhere between.
         most = device.printer.most
-        amounts = draw.choice([0.0, most, np.nan], (TRIED, len(device.inks)))
+        amounts = draw.choice([0.0, most, np.nan], (COLOURS_TRIED, len(device.inks)))
         amounts = np.where(np.isnan(amounts), draw.uniform(0, most, amounts.shape), amounts)
         colours = device.printer.printed(amounts) @ tristimulus(device.bands, light)
         pairs = [(colour, hull) for colour in colours]
         share = 100.0
     else:
-        tried = draw.permutation(len(xyz))[:TRIED]
+        # Take prints of the chart out in turn.
+        tried = draw.permutation(len(xyz))[:COLOURS_TRIED]
         # Without a print that is no corner the hull is the same.
         corner = np.isin(tried, hull.vertices)
         pairs = [(xyz[k], _hull_without(xyz, int(k)) if at else hull) for k, at in zip(tried, corner, strict=True)]
         share = 95.0
+
+    # Summarise the misses by a percentile: all of a model's prints, 95 % of a chart's.
     misses = np.array([_missed(colour, left, light) for colour, left in pairs if left is not None])
     if not len(misses):
         return None, None
@@ -252,7 +265,7 @@ def _hull_without(xyz: Float[np.ndarray, "print 3"], k: int) -> ConvexHull | Non
 
 
 def _missed(colour: Float[np.ndarray, "3"], hull: ConvexHull, light: str) -> tuple[float, float]:
-    """How far a colour is beyond the worst face of a hull, by luminance, and how different from the nearest in it."""
+    """The distance of a colour beyond a hull's worst face, as a share of luminance, and its CIEDE2000 from the hull."""
     beyond = float((hull.equations[:, :3] @ colour + hull.equations[:, 3]).max())
     if beyond <= 0:
         return 0.0, 0.0

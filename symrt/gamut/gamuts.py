@@ -47,10 +47,10 @@ def device_gamut(
         From `load_device`.
     model
         ``"unit"`` and ``"envelope"``: bounds in each band, see `Gamut`.  ``"hull"``: mixtures of prints, see
-        `HullGamut`.  ``"inks"``: what its inks print, see `InkGamut`.  ``"colorimetric"``: colours under a viewing
+        `HullGamut`.  ``"inks"``: the prints of its inks, see `InkGamut`.  ``"colorimetric"``: colours under a viewing
         light, see `ColorimetricGamut`.  ``"monitor"``: the colours that a monitor shows, see `MonitorGamut`.
     black
-        What becomes of the dark, for bounds in each band.
+        The treatment of the dark, for bounds in each band; see `Gamut`.
     tolerance
         Of a hull, or of what inks print: the root mean square difference that passes for none, 0.01 if not given.  Of
         a colorimetric gamut: how far outside the hull of the prints a colour may be, as a share of its luminance, or of
@@ -69,11 +69,14 @@ def device_gamut(
     >>> device_gamut(load_device("dye3-endura-premier"), "colorimetric").label
     'necessary for a colour match under illuminant/D50, as far as the samples are dense'
     """
+    # Refuse models that do not exist, or not for this kind of device.
     if model not in MODELS:
         raise ValueError(f"model = {shown(model)}: there are {', '.join(map(repr, MODELS))}")
     if (model == "monitor") != isinstance(device, Monitor):
         what, remedy = ("a printer", "choose another") if model == "monitor" else ("a monitor", "choose 'monitor'")
         raise ValueError(f"model = {model!r}: {device.name} is {what}; {remedy}")
+
+    # Make the gamut of the model named; only bounds in each band leave a choice of black.
     if isinstance(device, Monitor):
         return monitor_gamut(device)
     if model in ("unit", "envelope"):

@@ -20,10 +20,11 @@ from symrt.spectra.bands import Number
 
 TOLERANCE = 0.01
 """Root mean square difference of reflectances that passes for none."""
-TRIED = 64
+PRINTS_TRIED = 64
 """Prints that the sampling gap is measured with."""
 SEED = 0
-STEPS = 80
+"""Of the draw of those prints, and of the colours of `symrt.gamut.colorimetric`."""
+CUTS = 80
 """Cuts and halvings on each line; each cut leaves about the square of what was missing."""
 
 
@@ -56,7 +57,7 @@ class HullGamut(OfPrinter):
 
     model = "hull"
     label = "necessary, as far as the samples are dense"
-    """What being inside proves."""
+    """The claim that being inside proves."""
 
     @property
     def name(self) -> str:
@@ -79,7 +80,7 @@ class HullGamut(OfPrinter):
         return np.linalg.norm(spectra - mixtures, axis=1) <= enough + EXACT
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How much farther than the tolerance each spectrum is from the nearest mixture; 0 inside."""
+        """The distance of each spectrum from the nearest mixture in excess of the tolerance; 0 inside."""
         excess = self.distance(spectra) - self.tolerance
         return np.where(excess <= EXACT, 0.0, excess)
 
@@ -106,15 +107,20 @@ class HullGamut(OfPrinter):
         method for the distance, which is convex, close in on the boundary.
         """
         check_lines(origin, direction, np.arange(len(origin)))
+
+        # Bring the directions near length 1, by powers of two: squares of any length neither overflow nor vanish.
         still = ~direction.any(axis=1)
-        # Squares of directions of any length neither overflow nor vanish once they are brought near 1, by powers of 2.
         scale = np.frexp(np.abs(direction).max(axis=1))[1]
         direction = np.ldexp(direction, -scale[:, None])
+
+        # Find a point of each line inside, and then both ends from there.
         low, high = self._ball(origin, direction)
         middle, low, high = self._entered(origin, direction, low, high)
         met = low <= high
         low[met] = self._end(origin[met], direction[met], low[met], middle[met])
         high[met] = self._end(origin[met], direction[met], high[met], middle[met])
+
+        # Undo the scaling.
         with np.errstate(over="ignore"):
             low, high = np.ldexp(low, -scale), np.ldexp(high, -scale)
         # Where a line is so slow that the gamut lies beyond the largest number, no number keeps it inside.
@@ -122,6 +128,8 @@ class HullGamut(OfPrinter):
         largest = np.finfo(float).max
         low[met], high[met] = np.maximum(low[met], -largest), np.minimum(high[met], largest)
         low[beyond], high[beyond] = np.inf, -np.inf
+
+        # A line that does not move is inside for every t, or for none.
         inside = still & self.contains(origin) if still.any() else still
         low = np.where(still, np.where(inside, -np.inf, np.inf), low)
         high = np.where(still, np.where(inside, np.inf, -np.inf), high)
@@ -144,7 +152,7 @@ class HullGamut(OfPrinter):
         return float(np.sqrt(len(self.bands)))
 
     def _ball(self, origin: PixelBands, direction: PixelBands) -> tuple[PerPixel, PerPixel]:
-        """Where each line is in a ball around the gamut; outside it there is nothing to look for."""
+        """The interval of each line in a ball around the gamut; outside it there is nothing to look for."""
         centre = self.device.samples.mean(axis=0)
         radius = np.linalg.norm(self.device.samples - centre, axis=1).max() + self.tolerance * self._root + EXACT
         square = np.where(direction.any(axis=1), np.sum(direction**2, axis=1), 1.0)
@@ -161,7 +169,9 @@ class HullGamut(OfPrinter):
         low, high = low.copy(), high.copy()
         middle = np.zeros(len(low))
         open_ = low <= high
-        for _ in range(STEPS):
+
+        # Cut at the middle of what is left of each line, until that is inside or nothing is left.
+        for _ in range(CUTS):
             rows = np.flatnonzero(open_)
             if not rows.size:
                 break
@@ -169,6 +179,8 @@ class HullGamut(OfPrinter):
             first, last, inside = self._cut(origin[rows], direction[rows], middle[rows])
             low[rows], high[rows] = np.maximum(low[rows], first), np.minimum(high[rows], last)
             open_[rows] = ~inside & (low[rows] <= high[rows])
+
+        # A line that is still open after all steps counts as missed.
         missed = open_ | (low > high)
         low[missed], high[missed] = np.inf, -np.inf
         return middle, low, high
@@ -177,14 +189,18 @@ class HullGamut(OfPrinter):
         self, origin: PixelBands, direction: PixelBands, t: PerPixel
     ) -> tuple[PerPixel, PerPixel, Bool[np.ndarray, " pixel"]]:
         """Ends that a plane between the gamut and a point of each line allows, and whether that point is inside."""
+        # The plane stands in the nearest mixture, across the way to it.
         points = origin + t[:, None] * direction
         mixtures, _ = nearest_mixtures(self.device.samples, points)
         normals = points - mixtures
+
         # The line is clipped by a hull that is a little smaller, so that no end is too far; where there is no tolerance
         # to take that from, a point may be half of what `contains` allows beside it.
         enough = self.tolerance * self._root
         enough = enough - EXACT if enough > 2 * EXACT else enough
         inside = np.linalg.norm(normals, axis=1) <= enough + EXACT / 2
+
+        # Cross the plane: ``normals · (origin + t direction) <= reached``.
         reached = (normals @ self.device.samples.T).max(axis=1) + enough * np.linalg.norm(normals, axis=1)
         room = reached - np.sum(normals * origin, axis=1)
         rate = np.sum(normals * direction, axis=1)
@@ -192,17 +208,20 @@ class HullGamut(OfPrinter):
             crossing = room / rate
         first = np.where(~inside & (rate < 0), crossing, -np.inf)
         last = np.where(~inside & (rate > 0), crossing, np.inf)
+
+        # A line parallel to the plane, outside it, never comes inside.
         parallel = ~inside & (rate == 0)
         return np.where(parallel, np.inf, first), np.where(parallel, -np.inf, last), inside
 
     def _end(self, origin: PixelBands, direction: PixelBands, outer: PerPixel, inner: PerPixel) -> PerPixel:
         """The last point inside, between one that is and one that may not be."""
         outer, inner = outer.copy(), inner.copy()
-        for _ in range(STEPS):
+        for _ in range(CUTS):
             wide = np.abs(outer - inner) * np.linalg.norm(direction, axis=1) > EXACT
             rows = np.flatnonzero(wide)
             if not rows.size:
                 break
+            # An outer point that is inside is the end; one that is not moves to the plane before it.
             first, last, inside = self._cut(origin[rows], direction[rows], outer[rows])
             inner[rows] = np.where(inside, outer[rows], inner[rows])
             rising = outer[rows] < inner[rows]
@@ -239,26 +258,29 @@ def hull_gamut(device: Device, tolerance: Number = TOLERANCE) -> HullGamut:
 
 
 def _sampling_gap(device: Device) -> tuple[float, float] | tuple[None, None]:
-    """How far prints that are not among the samples are from the hull, by root mean square.
+    """The distance of further prints from the hull, by root mean square.
 
     A printer's model prints some anew, and the farthest counts.  Without one each of some prints is taken from the
     chart in turn; since corners of the hull are far from all others, the median counts, and what 95 % do not pass is
     told beside it.  Of a single print nothing is left to compare it with.
     """
     draw = np.random.default_rng(SEED)
+    root = np.sqrt(len(device.bands))
+
+    # A model prints new amounts, all inks anywhere between none and their most.
     if device.printer and device.modelled:
-        amounts = draw.uniform(0, device.printer.most, (TRIED, len(device.inks)))
+        amounts = draw.uniform(0, device.printer.most, (PRINTS_TRIED, len(device.inks)))
         prints = device.printer.printed(amounts)
-        misses = np.linalg.norm(prints - nearest_mixtures(device.samples, prints)[0], axis=1) / np.sqrt(
-            len(device.bands)
-        )
+        misses = np.linalg.norm(prints - nearest_mixtures(device.samples, prints)[0], axis=1) / root
         return float(misses.max()), float(np.percentile(misses, 95))
-    tried = draw.permutation(len(device.samples))[:TRIED]
+
+    # Of a chart, take prints out in turn.
+    tried = draw.permutation(len(device.samples))[:PRINTS_TRIED]
     if len(device.samples) < 2:
         return None, None
     distances = [
         np.linalg.norm(s - nearest_mixtures(np.delete(device.samples, i, axis=0), s[None])[0])
         for i, s in zip(tried, device.samples[tried], strict=True)
     ]
-    misses = np.array(distances) / np.sqrt(len(device.bands))
+    misses = np.array(distances) / root
     return float(np.median(misses)), float(np.percentile(misses, 95))

@@ -1,4 +1,4 @@
-"""What every convex gamut of step 4 can be asked, whichever model of the device stands behind it."""
+"""The questions that every convex gamut of step 4 answers, whichever model of the device stands behind it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ ROUNDING = 1e-12
 WIDER = ROUNDING / 2
 """By which lines are clipped wider where products are rounded: one through the boundary itself is inside."""
 UNIT = 2.0**-53
-LARGEST = 1e9
+LARGEST_REFLECTANCE = 1e9
 """Of a reflectance; where numbers are larger, rounding may be as large as a gamut."""
 ANY = float(np.finfo(float).max)
 """Of a direction."""
@@ -38,11 +38,11 @@ class Slabs:
     bands
         The band that each slab bounds alone, -1 where it weighs several.
     words
-        What each slab bounds: ``"560 nm"``, ``"luminance"``, ``"the monitor's red"``.
+        The quantity that each slab bounds: ``"560 nm"``, ``"luminance"``, ``"the monitor's red"``.
     dark
-        Whether the lower bound is that of a device's black, which no parameter can bring shadows above.
+        True where the lower bound is that of a device's black, which no parameter can bring shadows above.
     extrapolated
-        Whether the device was not measured where the slab bounds it.
+        True where the device was not measured in what the slab bounds.
 
     Examples
     --------
@@ -67,14 +67,20 @@ class Slabs:
         a second one keeps off every bound by as much as the products can be off there.
         """
         check_lines(origin, direction, np.arange(len(origin)))
+
+        # Clip once, to know how large t gets.
         start, rate = origin @ self.matrix, direction @ self.matrix
         first = clip_slabs(self.lower, self.upper, start, rate)
         ends = np.stack([first.low, first.high])
         far = np.abs(np.where(np.isfinite(ends), ends, 0.0)).max(axis=0)
+
+        # Bound the error of each product there: as many roundings as it has terms, of the terms' sizes.
         size, growth = np.abs(origin) @ np.abs(self.matrix), np.abs(direction) @ np.abs(self.matrix)
         # The product with a band alone is exact.
         terms = np.where(of_one_band(self.matrix), 0, len(self.matrix) + 2)
         off = 4 * terms * UNIT * (size + far[:, None] * growth)
+
+        # Clip again, the line above each slab's upper bound and below its lower one by that error.
         # A slab that the line does not cross asks for nothing: it was decided by the first clip.
         still = rate == 0
         above, below = (np.where(still, start, start + sign * off) for sign in (1.0, -1.0))
@@ -89,11 +95,11 @@ class Slabs:
 
 @runtime_checkable
 class ConvexGamut(Protocol):
-    """A convex set of reflectances, and what being inside it proves."""
+    """A convex set of reflectances, and the claim that being inside it proves."""
 
     @property
     def model(self) -> str:
-        """Which kind of gamut it is, in a word."""
+        """The kind of gamut, in a word."""
 
     @property
     def name(self) -> str:
@@ -101,7 +107,7 @@ class ConvexGamut(Protocol):
 
     @property
     def label(self) -> str:
-        """What being inside proves: ``necessary`` or ``sufficient``, and for what."""
+        """The claim that being inside proves: ``necessary`` or ``sufficient``, and for what."""
 
     @property
     def bands(self) -> Bands:
@@ -118,7 +124,7 @@ class ConvexGamut(Protocol):
         """Whether each spectrum is inside; the boundary is."""
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far each spectrum is outside; 0 inside."""
+        """The distance of each spectrum from the gamut, in its own measure; 0 inside."""
 
     def nearest(self, spectra: PixelBands) -> PixelBands:
         """The spectrum of the gamut that is nearest to each, by root mean square."""
@@ -153,7 +159,7 @@ def of_one_band(matrix: Float[np.ndarray, "band slab"]) -> Bool[np.ndarray, " sl
     return (np.count_nonzero(matrix, axis=0) == 1) & (matrix.sum(axis=0) == 1)
 
 
-def check_spectra(spectra: PixelBands, bands: Bands, largest: float = LARGEST) -> None:
+def check_spectra(spectra: PixelBands, bands: Bands, largest: float = LARGEST_REFLECTANCE) -> None:
     """Refuse spectra in other bands, and numbers that no reflectance is: nothing is inside or outside then.
 
     Examples
@@ -176,7 +182,7 @@ def check_spectra(spectra: PixelBands, bands: Bands, largest: float = LARGEST) -
 
 
 def beyond_rounding(excess: PerPixel, spectra: PixelBands, matrix: Float[np.ndarray, "band slab"]) -> PerPixel:
-    """What products of spectra with a matrix exceed their bounds by; 0 where it is no more than their rounding.
+    """The excess of products of spectra with a matrix over their bounds; 0 where it is no more than their rounding.
 
     Examples
     --------
@@ -195,9 +201,12 @@ def stacked(slabs: Sequence[Slabs], bands: int) -> Slabs:
     >>> stacked([], 36).matrix.shape
     (36, 0)
     """
+    # Of no slabs at all, one without columns still says in how many bands they would be.
     none = np.zeros(0)
     no = np.zeros(0, dtype=bool)
     empty = Slabs(np.zeros((bands, 0)), none, none, np.zeros(0, dtype=int), (), no, no)
+
+    # Every part of the record is strung together.
     every = [empty, *slabs]
     return Slabs(
         np.hstack([one.matrix for one in every]),

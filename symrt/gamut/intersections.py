@@ -1,7 +1,7 @@
-"""What several devices can all do, or one under several lights: intersections of gamuts, for step 4 of the paper.
+"""Intersections of gamuts, of several devices or of one under several lights: step 4 of the paper.
 
 An intersection of convex gamuts is convex, and one of slabs is made of slabs again: their rows are stacked, and bounds
-of the same band alone are joined.  Being inside proves of each part what being inside that part proves; the label says
+of the same band alone are merged.  Being inside proves of each part what being inside that part proves; the label says
 what follows for all of them together.
 """
 
@@ -16,23 +16,23 @@ from jaxtyping import Bool
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.device.printing import Device
-from symrt.gamut.alternating import THIN, deep_inside, nearest_to_all
+from symrt.gamut.alternating import THINNEST, deep_inside, nearest_to_all
 from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ANY, ConvexGamut, SlabGamut, Slabs, check_spectra
-from symrt.gamut.joining import boxed, clipped_by_all, common_intervals, joined, named
+from symrt.gamut.joining import boxed, clipped_by_all, common_intervals, merged, named
 from symrt.gamut.polyhedra import supports
 from symrt.gamut.recipes import InkGamut
 from symrt.spectra.bands import Bands, Number
 
 
 class _Parts(Protocol):
-    """What all intersections answer alike."""
+    """The answers that all kinds of intersections share."""
 
     parts: tuple[ConvexGamut | InkGamut, ...]
 
     @property
     def model(self) -> str:
-        """What kind of gamut it is."""
+        """The kind of gamut, in a word."""
         return "intersection"
 
     @property
@@ -42,7 +42,7 @@ class _Parts(Protocol):
 
     @property
     def label(self) -> str:
-        """What being inside proves, of all parts together and of each."""
+        """The claim that being inside proves, of all parts together and of each."""
         necessary = all(part.label.startswith("necessary") for part in self.parts)
         sufficient = all(part.label.startswith(("sufficient", "necessary and sufficient")) for part in self.parts)
         whole = {
@@ -51,6 +51,7 @@ class _Parts(Protocol):
             (True, True): "necessary and sufficient",
             (False, False): "neither necessary nor sufficient",
         }[necessary, sufficient]
+        # Parts that prove the same say it once.
         labels = {part.label for part in self.parts}
         same = f"each: {self.parts[0].label}" if len(labels) == 1 else None
         each = same or "; ".join(f"{part.name}: {part.label}" for part in self.parts)
@@ -72,7 +73,7 @@ class _Parts(Protocol):
         return np.all([part.contains(spectra) for part in self.parts], axis=0)
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far each spectrum is outside the part that it violates most, in that part's own measure; 0 inside."""
+        """The violation of the part that each spectrum violates most, in that part's own measure; 0 inside."""
         return np.max([part.violation(spectra) for part in self.parts], axis=0)
 
     def __repr__(self) -> str:
@@ -114,7 +115,7 @@ class Intersection(_Parts):
         return _nearest(self, spectra)
 
     def support(self, directions: PixelBands) -> PerPixel:  # noqa: ARG002 -- what every convex gamut can be asked
-        """None is known: a tolerance around mixtures of prints is no set of planes."""
+        """Refused, by ValueError: a tolerance around mixtures of prints is no set of planes."""
         curved = next(part.name for part in self.parts if not isinstance(part, SlabGamut))
         raise ValueError(
             f"support of an intersection is that of its planes, and {curved} has none: ask the support of each part, "
@@ -153,7 +154,7 @@ class SlabIntersection(_Parts):
     @cached_property
     def slabs(self) -> Slabs:
         """The slabs of all parts; those that bound the same band alone are one, with the narrower bounds."""
-        return joined([named(part) for part in self.parts])
+        return merged([named(part) for part in self.parts])
 
     @cached_property
     def inner(self) -> tuple[Spectrum, float]:
@@ -232,6 +233,7 @@ class InkIntersection(_Parts):
 
         What inks print may be missed as `InkGamut.clip` says.
         """
+        # Every line begins with the whole range, and keeps what each part allows of it.
         first, last = (np.full(len(origin), float(t)) for t in within)
         lines: list[list[tuple[float, float]]] = [[(a, b)] for a, b in zip(first.tolist(), last.tolist(), strict=True)]
         for part in self.parts:
@@ -255,7 +257,7 @@ UnevenGamut = InkGamut | InkIntersection
 def intersection(
     gamuts: Sequence[ConvexGamut | UnevenGamut],
 ) -> ConvexGamut | UnevenGamut:
-    """What lies inside all of some gamuts, of several devices or under several viewing lights.
+    """The intersection of several gamuts, of several devices or under several viewing lights.
 
     Parameters
     ----------
@@ -278,9 +280,12 @@ def intersection(
     >>> both.label.partition(" (")[0]
     'necessary, not sufficient for all of them together'
     """
+    # Take intersections among the gamuts apart.
     parts: list[ConvexGamut | InkGamut] = []
     for gamut in gamuts:
         parts += gamut.parts if isinstance(gamut, AnyIntersection) else [gamut]
+
+    # Refuse parts that have no spectra in common.
     if not parts:
         raise ValueError("no gamuts to intersect: give for example [device_gamut(a), device_gamut(b)]")
     for part in parts[1:]:
@@ -291,6 +296,8 @@ def intersection(
             )
     if len(parts) == 1:
         return parts[0]
+
+    # The kind of intersection follows from the kinds of its parts.
     convex = [part for part in parts if not isinstance(part, InkGamut)]
     if len(convex) < len(parts):
         # Whether inks reach into the rest is not known; whether there is a rest, is.
@@ -307,7 +314,7 @@ def _filled(parts: Sequence[ConvexGamut]) -> Intersection | SlabIntersection:
         apart = next((list(pair) for pair in combinations(parts, 2) if _empty(_of(pair))), parts)
         raise ValueError(
             f"nothing is inside all of: {'; '.join(part.name for part in apart)}: leave one of them out, or ask a "
-            f"wider model of its device (what holds no ball of radius {THIN:g} counts as nothing)"
+            f"wider model of its device (what holds no ball of radius {THINNEST:g} counts as nothing)"
         )
     return found
 
@@ -320,7 +327,7 @@ def _of(parts: Sequence[ConvexGamut]) -> Intersection | SlabIntersection:
 def _empty(found: Intersection | SlabIntersection) -> bool:
     if isinstance(found, SlabIntersection) and boxed(found.slabs):
         return bool(np.any(found.slabs.lower > found.slabs.upper))
-    return found.inner[1] <= THIN
+    return found.inner[1] <= THINNEST
 
 
 def _nearest(found: Intersection | SlabIntersection, spectra: PixelBands) -> PixelBands:

@@ -10,7 +10,7 @@ from symrt.gamut.clipping import Interval
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, of_one_band, stacked
 
 
-def joined(each: Sequence[Slabs]) -> Slabs:
+def merged(each: Sequence[Slabs]) -> Slabs:
     """All slabs; those of the same band alone are one, with the highest lower bound and the lowest upper one.
 
     Examples
@@ -20,7 +20,7 @@ def joined(each: Sequence[Slabs]) -> Slabs:
     ...     Slabs(np.eye(1), np.array([a]), np.array([b]), np.array([0]), ("500 nm",), no, no)
     ...     for a, b in ((0.0, 0.8), (0.1, 0.9))
     ... )
-    >>> both = joined([one, other])
+    >>> both = merged([one, other])
     >>> both.lower, both.upper
     (array([0.1]), array([0.8]))
     """
@@ -28,6 +28,8 @@ def joined(each: Sequence[Slabs]) -> Slabs:
     lower, upper, dark, extrapolated = (
         getattr(whole, name).copy() for name in ("lower", "upper", "dark", "extrapolated")
     )
+
+    # Merge each slab of one band alone into the first of that band; its flags are those of the bounds that count.
     bands, alone = whole.bands, of_one_band(whole.matrix)
     taken = []
     for slab, own in enumerate(alone):
@@ -38,6 +40,8 @@ def joined(each: Sequence[Slabs]) -> Slabs:
         highest, lowest = same[lower[same] == lower[same].max()], same[upper[same] == upper[same].min()]
         dark[slab], extrapolated[slab] = dark[highest].any(), extrapolated[np.append(highest, lowest)].any()
         lower[slab], upper[slab] = lower[same].max(), upper[same].min()
+
+    # Leave out the slabs that were merged into others.
     words = tuple(whole.words[slab] for slab in taken)
     return Slabs(
         whole.matrix[:, taken], lower[taken], upper[taken], bands[taken], words, dark[taken], extrapolated[taken]
@@ -60,7 +64,7 @@ def named(part: SlabGamut) -> Slabs:
 
 
 def boxed(slabs: Slabs) -> bool:
-    """Whether bounds in each band are all that there is.
+    """True where bounds in each single band are all that there is.
 
     Examples
     --------
@@ -75,7 +79,7 @@ def boxed(slabs: Slabs) -> bool:
 
 
 def clipped_by_all(parts: Sequence[ConvexGamut], origin: PixelBands, direction: PixelBands) -> Interval:
-    """What all parts allow of each line.
+    """The interval of each line that all parts allow.
 
     Examples
     --------

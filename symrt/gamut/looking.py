@@ -1,4 +1,4 @@
-"""Where a curve is inside a set that can only be asked point by point: step 5 of the paper for curved gamuts."""
+"""The parts of a curve inside a set that can only be asked point by point: step 5 of the paper for curved gamuts."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from symrt.spectra.bands import Number
 
 LOOKS = 64
 """Places on a curve at which it is asked whether it is inside; a shorter stretch may be missed."""
-HALVINGS = 26
+LOOK_HALVINGS = 26
 
 Pixels = Int[np.ndarray, " _"]
 Inside = Callable[[Pixels, PerPixel], Bool[np.ndarray, " _"]]
@@ -47,16 +47,22 @@ def looked_for(inside: Inside, count: int, within: tuple[Number, Number], looks:
     """
     if not -np.inf < within[0] <= within[1] < np.inf:
         raise ValueError(f"within = ({within[0]}, {within[1]}): give a finite range, the lower end first")
+
+    # Look at even distances, and note the neighbours between which a curve enters or leaves.
     t = np.linspace(within[0], within[1], looks + 1)
     pixel = np.repeat(np.arange(count), len(t))
     seen = inside(pixel, np.tile(t, count)).reshape(count, len(t))
     row, after = np.nonzero(seen[:, 1:] != seen[:, :-1])
     inner = np.where(seen[row, after], t[after], t[after + 1])
     outer = np.where(seen[row, after], t[after + 1], t[after])
-    for _ in range(HALVINGS if len(row) else 0):
+
+    # Halve the gaps between them, keeping one end inside.
+    for _ in range(LOOK_HALVINGS if len(row) else 0):
         middle = (inner + outer) / 2
         kept = inside(row, middle)
         inner, outer = np.where(kept, middle, inner), np.where(kept, outer, middle)
+
+    # Pair each place of entry with the next of leaving; the ends of the range count where they are inside.
     enters = ~seen[row, after]
     first, last = np.flatnonzero(seen[:, 0]), np.flatnonzero(seen[:, -1])
     low = np.concatenate([np.full(len(first), t[0]), inner[enters]])

@@ -27,7 +27,7 @@ STALLED = 1 - 1e-6
 """Of the distance in the round before: what gets no less has arrived, if its plane says so too."""
 SQUARE = 1e-20
 """Of lengths at most 1: a plane this close to the nearest mixture has all points behind it."""
-CHUNK = 2048
+MIXED_AT_ONCE = 2048
 """Spectra whose inner products with all prints are in memory at once."""
 
 
@@ -52,8 +52,8 @@ def nearest_mixtures(
     >>> mixtures.round(9).tolist(), apart.round(6).tolist()
     ([[0.5, 0.5], [0.2, 0.2]], [0.707107, 0.0])
     """
-    chunks = range(0, len(spectra), CHUNK)
-    parts = [_nearest(samples, spectra[first : first + CHUNK], enough) for first in chunks]
+    chunks = range(0, len(spectra), MIXED_AT_ONCE)
+    parts = [_nearest(samples, spectra[first : first + MIXED_AT_ONCE], enough) for first in chunks]
     if not parts:
         return spectra.copy(), np.zeros(0)
     return np.vstack([mixtures for mixtures, _ in parts]), np.concatenate([apart for _, apart in parts])
@@ -62,6 +62,8 @@ def nearest_mixtures(
 def _nearest(
     samples: Float[np.ndarray, "sample band"], spectra: PixelBands, enough: float | None
 ) -> tuple[PixelBands, PerPixel]:
+    """As `nearest_mixtures`, for a chunk of spectra."""
+    # Begin with the samples nearest to each spectrum.
     squares = np.sum(samples**2, axis=1) - 2 * (spectra @ samples.T)
     few = min(BROUGHT_IN, len(samples))
     taking_part = list(np.argpartition(squares, few - 1, axis=1)[:, :few])
@@ -71,11 +73,15 @@ def _nearest(
         # SciPy has no batched least squares of this kind; each of these small problems takes some 20 µs.
         for row in rows:
             taking_part[row], mixtures[row] = _mixed(samples, taking_part[row], spectra[row])
+
+        # The plane across the way to the mixture, pushed beyond all samples, bounds the distance from below.
         normals = spectra[rows] - mixtures[rows]
         length = np.linalg.norm(normals, axis=1)
         beyond = normals @ samples.T
         reach = np.sum(normals * spectra[rows], axis=1) - beyond.max(axis=1)
         apart[rows] = np.maximum(apart[rows], reach / np.maximum(length, np.finfo(float).tiny))
+
+        # Arrived is what the bound proves, what gets no nearer, and what is decided.
         open_ = length - apart[rows]
         done = (open_ <= AIM) | ((open_ <= EXACT / 2) & (length > before * STALLED)) | (length >= before)
         if enough is not None:
@@ -83,6 +89,8 @@ def _nearest(
         rows, beyond, before = rows[~done], beyond[~done], length[~done]
         if not rows.size:
             break
+
+        # Bring in the samples that lie farthest beyond the plane.
         for row, newcomers in zip(rows, np.argpartition(-beyond, few - 1, axis=1)[:, :few], strict=True):
             taking_part[row] = np.union1d(taking_part[row], newcomers)
     return mixtures, apart
@@ -92,6 +100,7 @@ def _mixed(
     samples: Float[np.ndarray, "sample band"], taking_part: Int[np.ndarray, " few"], spectrum: Spectrum
 ) -> tuple[Int[np.ndarray, " less"], Spectrum]:
     """The samples that the nearest mixture of a few is made of, and that mixture."""
+    # Solve for weights >= 0, with one more equation for their sum, at a scale at which both count alike.
     away = (samples[taking_part] - spectrum).T
     scale = max(float(np.abs(away).max()), np.finfo(float).tiny)
     rows = np.vstack([away / scale, np.ones(len(taking_part))])
@@ -99,6 +108,8 @@ def _mixed(
         weights = nnls(rows, np.append(np.zeros(len(spectrum)), 1.0))[0]
     except RuntimeError:  # among nearly equal samples it may go in circles
         weights = _by_corrals(away.T / scale)
+
+    # Only ratios of the weights count.
     used = weights > 0
     weights = weights[used] / weights[used].sum()
     return taking_part[used], weights @ samples[taking_part[used]]
@@ -109,12 +120,15 @@ def _by_corrals(points: Float[np.ndarray, "few band"]) -> Float[np.ndarray, " fe
     weights = np.zeros(len(points))
     weights[np.sum(points**2, axis=1).argmin()] = 1.0
     for _ in range(ROUNDS):
+        # Choose the point farthest towards the origin; the mixture is the nearest if none lies before its plane.
         mixture = weights @ points
         along = points @ mixture
         newcomer = int(along.argmin())
         if mixture @ mixture - along[newcomer] <= SQUARE or weights[newcomer] > 0:
             break
         corral = np.append(np.flatnonzero(weights), newcomer)
+
+        # Find the nearest point of the plane through the corral; leave out points until it is a mixture of them.
         while True:
             square = points[corral] @ points[corral].T + 1
             free = np.linalg.lstsq(square, np.ones(len(corral)), rcond=None)[0]

@@ -48,7 +48,7 @@ class MonitorGamut:
 
     model = "monitor"
     label = "necessary and sufficient for the same colour, not for the spectrum"
-    """What being inside proves."""
+    """The claim that being inside proves."""
 
     @property
     def name(self) -> str:
@@ -78,11 +78,11 @@ class MonitorGamut:
         return spectra @ self.drive.T
 
     def contains(self, spectra: PixelBands) -> Bool[np.ndarray, " pixel"]:
-        """Whether the monitor shows the colour of each spectrum; its boundary it does."""
+        """Whether the monitor shows the colour of each spectrum; it does on the boundary."""
         return self.violation(spectra) == 0
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How far the worst drive value of each spectrum is outside [0, 1]; 0 inside, and within rounding of it."""
+        """The distance of the worst drive value of each spectrum from [0, 1]; 0 inside, and within rounding of it."""
         drive = self.driven(spectra)
         worst = np.maximum(-drive, drive - 1).max(axis=1)
         return beyond_rounding(worst, spectra, self.drive.T)
@@ -122,7 +122,7 @@ class MonitorGamut:
 
 
 def monitor_gamut(monitor: Monitor) -> MonitorGamut:
-    """What a monitor shows of reflectances, against an equal-energy white until it is told another, see `under`.
+    """The gamut of a monitor for reflectances against an equal-energy white; `MonitorGamut.under` gives another white.
 
     Examples
     --------
@@ -155,14 +155,18 @@ def _drive(monitor: Monitor) -> Float[np.ndarray, "3 band"]:
 def _into_cube(points: Drive, metric: Float[np.ndarray, "3 3"]) -> Drive:
     """The point of the cube [0, 1]³ nearest to each in a metric: the best of those on its faces, edges and corners."""
     best, least = np.clip(points, 0, 1), np.full(len(points), np.inf)
+    # Every face, edge and corner holds some coordinates at 0 or 1, and leaves the others free.
     for fixed in product((None, 0.0, 1.0), repeat=3):
         held = [i for i in range(3) if fixed[i] is not None]
         free = [i for i in range(3) if fixed[i] is None]
         moved = points.copy()
         moved[:, held] = [fixed[i] for i in held]
+        # The free coordinates go to where the rest of the distance is least.
         if held and free:
             shift = (points - moved)[:, held] @ metric[np.ix_(held, free)] @ np.linalg.inv(metric[np.ix_(free, free)])
             moved[:, free] += shift
+
+        # Keep the nearest point that lies in the cube.
         change = moved - points
         distance = np.einsum("pi,ij,pj->p", change, metric, change)
         better = (distance < least) & np.all((moved >= 0) & (moved <= 1), axis=1)

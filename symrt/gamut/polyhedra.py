@@ -17,7 +17,7 @@ from scipy.optimize import linprog, nnls
 from symrt.arrays import PerPixel, PixelBands, Spectrum
 from symrt.gamut.interface import ROUNDING, of_one_band
 
-UNBOUNDED = 3
+UNBOUNDED_STATUS = 3
 """What HiGHS answers, through SciPy, where an objective has no limit."""
 
 Normals = Float[np.ndarray, "face band"]
@@ -71,17 +71,21 @@ def nearest_point(normals: Normals, offsets: Offsets, point: Spectrum) -> Spectr
     room = offsets - normals @ point
     if np.all(room >= 0):
         return point
+
     # Far away everything is brought near by a power of two, which changes no digit.
     scale = 2.0 ** max(0, int(np.frexp(-room.min())[1]))
     room = room / scale
+
+    # Solve the least-distance problem; its residual is the direction to the nearest point, or 0 if there is none.
     wanted = np.append(np.zeros(len(point)), 1.0)
     rows = np.vstack([-normals.T, -room])
     multipliers = nnls(rows, wanted, maxiter=10 * len(room))[0]
     missed = rows @ multipliers - wanted
     if np.linalg.norm(missed) <= ROUNDING:
         raise ValueError("nothing is inside all of the half-spaces")
+
+    # The rough answer tells which faces it touches; least squares on those alone find the place to the last digits.
     touching = multipliers > 0
-    # Which faces it touches is what counts; where exactly, least squares on those alone tell to the last digits.
     moved = np.linalg.lstsq(normals[touching], room[touching], rcond=None)[0]
     rough = -missed[:-1] / missed[-1]
     return np.asarray(point + scale * (moved if np.linalg.norm(moved - rough) <= 1e-6 else rough))
@@ -117,15 +121,20 @@ def supports(
 
 
 def _support(normals: Normals, offsets: Offsets, bounds: Float[np.ndarray, "band 2"], direction: Spectrum) -> float:
+    """The support in one direction, as the multipliers of the linear programme prove it."""
     size = np.abs(direction).max(initial=0.0)
     if size == 0:
         return 0.0
+
+    # Solve the programme in a direction of size 1.
     rows = {"A_ub": normals, "b_ub": offsets} if len(normals) else {}
     found = linprog(-direction / size, bounds=bounds, **rows)
-    if found.status == UNBOUNDED:
+    if found.status == UNBOUNDED_STATUS:
         return np.inf
     if found.x is None:
         raise ArithmeticError(f"a support was not found: {found.message}")
+
+    # Sum up the bound that the multipliers prove.
     multipliers = -found.ineqlin.marginals.clip(max=0) if len(normals) else np.zeros(0)
     left = direction / size - multipliers @ normals
     # What the multipliers leave of the direction in a band without a bound is the solver's rounding.

@@ -1,4 +1,4 @@
-"""What the gamuts of one printer have in common, whichever question they ask: step 4 of the paper."""
+"""The answers that all gamuts of one printer share: step 4 of the paper."""
 
 from functools import cached_property
 from typing import TypeVar
@@ -32,5 +32,5 @@ class OfPrinter:
         return uniform_first(self.device.samples)
 
     def under(self: Own, white: Spectrum) -> Own:  # noqa: ARG002 -- what every gamut can be asked
-        """The same: what a device prints does not depend on the light."""
+        """The gamut itself: the reflectances that a device prints do not depend on the light."""
         return self

@@ -1,4 +1,4 @@
-"""What a printer can really print: reflectances for which a recipe, amounts of its inks, is found; a gamut for step 4.
+"""The reflectances that a printer can really print, those for which a recipe of inks is found: a gamut for step 4.
 
 ``distance(r) = min_a ‖R(a) − r‖ / √K`` over amounts 0 <= a <= most, with R the printer's forward model.  The minimum is
 sought by the method of Levenberg and Marquardt [1]_, within bounds, from a few of the device's prints that are nearest.
@@ -25,13 +25,13 @@ from symrt.spectra.bands import Number
 
 STARTS = 4
 """Prints from which each recipe is sought."""
-STEPS = 60
+DESCENT_STEPS = 60
 MOVED = 1e-7
 """Share of the largest amount by which an ink is moved to see what it does."""
 DAMPED = 1e-3
 MOST_DAMPED = 1e12
 """A step damped more than this goes nowhere: the search is over."""
-CHUNK = 1024
+SOUGHT_AT_ONCE = 1024
 EDGE = 1e-9
 
 Recipes = Float[np.ndarray, "pixel ink"]
@@ -63,7 +63,7 @@ class InkGamut(OfPrinter):
 
     @property
     def label(self) -> str:
-        """What being inside proves: nothing for certain where the model's own error is larger than the tolerance."""
+        """The claim that being inside proves: none where the model's own error is larger than the tolerance."""
         if self.tolerance < self.device.model_error:
             return (
                 f"neither sufficient nor necessary: the printer's model misses prints held out from its fit by up to "
@@ -85,7 +85,7 @@ class InkGamut(OfPrinter):
         return self.violation(spectra) == 0
 
     def violation(self, spectra: PixelBands) -> PerPixel:
-        """How much farther than the tolerance each spectrum is from the nearest print that is found; 0 inside."""
+        """The distance of each spectrum from the nearest print found in excess of the tolerance; 0 inside."""
         excess = self.distance(spectra) - self.tolerance
         return np.where(excess <= EDGE, 0.0, excess)
 
@@ -115,7 +115,7 @@ class InkGamut(OfPrinter):
 
 
 def ink_gamut(device: Device, tolerance: Number = TOLERANCE) -> InkGamut:
-    """What a printer's inks print, by its model.
+    """The gamut of everything that a printer's inks print, by its model.
 
     Parameters
     ----------
@@ -148,8 +148,8 @@ def recipes(device: Device, spectra: PixelBands) -> tuple[Recipes, PixelBands]:
     printer = _printer_of(device)
     check_spectra(spectra, device.bands)
     amounts = np.zeros((len(spectra), len(device.inks)))
-    for first in range(0, len(spectra), CHUNK):
-        amounts[first : first + CHUNK] = _sought(device, printer, spectra[first : first + CHUNK])
+    for first in range(0, len(spectra), SOUGHT_AT_ONCE):
+        amounts[first : first + SOUGHT_AT_ONCE] = _sought(device, printer, spectra[first : first + SOUGHT_AT_ONCE])
     return amounts, printer.printed(amounts)
 
 
@@ -175,12 +175,15 @@ def _descended(printer: Printer, amounts: Recipes, spectra: PixelBands) -> Recip
     amounts = amounts.copy()
     damping = np.full(len(amounts), DAMPED)
     missed = printer.printed(amounts) - spectra
-    for _ in range(STEPS):
+    for _ in range(DESCENT_STEPS):
+        # Try a step for every recipe that still moves.
         rows = np.flatnonzero(damping < MOST_DAMPED)
         if not rows.size:
             break
         tried = _stepped(printer, amounts[rows], missed[rows], damping[rows])
         left = printer.printed(tried) - spectra[rows]
+
+        # Take the steps that pay, and damp the next ones less; damp the others more.
         before, after = np.sum(missed[rows] ** 2, axis=1), np.sum(left**2, axis=1)
         better = after < before
         amounts[rows[better]], missed[rows[better]] = tried[better], left[better]
@@ -192,6 +195,7 @@ def _descended(printer: Printer, amounts: Recipes, spectra: PixelBands) -> Recip
 
 def _stepped(printer: Printer, amounts: Recipes, missed: PixelBands, damping: PerPixel) -> Recipes:
     """One damped step of Gauss and Newton; an ink at a bound that wants to pass it stays."""
+    # Measure what each ink does, by moving it a little away from the nearer of its bounds.
     move = MOVED * printer.most
     change = np.where(amounts < printer.most / 2, move, -move)
     slopes = np.empty((*amounts.shape, missed.shape[1]))
@@ -200,9 +204,13 @@ def _stepped(printer: Printer, amounts: Recipes, missed: PixelBands, damping: Pe
         moved = amounts.copy()
         moved[:, ink] += change[:, ink]
         slopes[:, ink] = (printer.printed(moved) - here) / change[:, ink, None]
+
+    # Hold the inks at a bound that the descent would take beyond it.
     gradient = np.einsum("pib,pb->pi", slopes, missed)
     held = ((amounts <= 0) & (gradient > 0)) | ((amounts >= printer.most) & (gradient < 0))
     slopes[held] = 0
+
+    # Solve the damped normal equations; an ink without effect gets a 1, so that they stay regular.
     square = np.einsum("pib,pjb->pij", slopes, slopes)
     diagonal = np.einsum("pii->pi", square)
     diagonal += damping[:, None] * diagonal + np.where(diagonal > 0, 0, 1)

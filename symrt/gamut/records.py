@@ -1,6 +1,6 @@
 """Devices and gamuts as plain records, for files of step 4: names and numbers as JSON, and arrays of known shapes.
 
-What a record holds is written down in one table, `PRINTERS`, `DEVICES` and `GAMUTS`: numbers as hexadecimal text, so
+The parts of each record stand in one table, `PRINTERS`, `DEVICES` and `GAMUTS`: numbers as hexadecimal text, so
 that they come back bit for bit, and arrays by the names of their axes.  What is read is held against the same table,
 and then against what the record itself must obey.
 """
@@ -26,13 +26,13 @@ from symrt.spectra.bands import RGB, Bands, coordinates
 
 Header = dict[str, Any]
 Arrays = dict[str, np.ndarray]
-ROUNDING = 1e-9
-"""By how much faces may miss the points that they were laid through."""
+FACE_MISS = 1e-9
+"""Distance by which faces may miss the points that they were laid through."""
 
 
 @dataclass(frozen=True)
 class Form:
-    """What a record consists of.
+    """The parts of a record, by name.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def _check_slabs(gamut: Gamut) -> None:
     _hold(np.all(gamut.lower <= gamut.upper), "a lower bound is above the upper one")
     _hold((gamut.black == "luminance") == (gamut.weights is not None), "weights belong to the luminance of black alone")
     if gamut.weights is not None:
-        right = np.all(gamut.weights >= 0) and abs(gamut.weights.sum() - 1) <= ROUNDING
+        right = np.all(gamut.weights >= 0) and abs(gamut.weights.sum() - 1) <= FACE_MISS
         _hold(right, "the weights of luminance are below 0, or do not sum to 1")
     if gamut.model == "envelope":
         prints = gamut.device.samples
@@ -97,9 +97,9 @@ def _check_inks(gamut: InkGamut) -> None:
 def _check_colorimetric(gamut: ColorimetricGamut) -> None:
     _check_gap(gamut.tolerance, gamut.gap, gamut.gap_delta_e, "in ΔE2000")
     beyond = gamut.colours @ gamut.normals.T - gamut.offsets
-    _hold(np.all(beyond <= ROUNDING), "a corner is outside a face")
-    _hold(np.all(np.sum(beyond >= -ROUNDING, axis=0) >= 3), "a face has fewer than three corners")
-    _hold(gamut.violation(gamut.device.samples).max() <= ROUNDING, "a print's colour is outside")
+    _hold(np.all(beyond <= FACE_MISS), "a corner is outside a face")
+    _hold(np.all(np.sum(beyond >= -FACE_MISS, axis=0) >= 3), "a face has fewer than three corners")
+    _hold(gamut.violation(gamut.device.samples).max() <= FACE_MISS, "a print's colour is outside")
 
 
 def _check_drive(gamut: MonitorGamut) -> None:
@@ -131,7 +131,7 @@ GAMUTS = {
 OPTIONAL = {"weights", "gap", "gap_95", "gap_delta_e"}
 """Arrays and numbers that a record may be without."""
 CHOICES = {"black": ("clip", "luminance", "strict")}
-"""What a text may be, where it may not be anything."""
+"""The values that some texts are restricted to."""
 
 
 def record_of_device(device: Device | Monitor, prefix: str, arrays: Arrays) -> Header:
@@ -145,11 +145,14 @@ def record_of_device(device: Device | Monitor, prefix: str, arrays: Arrays) -> H
     >>> record["kind"], record["bands"]["kind"], list(arrays)
     ('monitor', 'rgb', ['device0_primaries'])
     """
+    # A monitor is its bands and primaries.
     kind = "monitor" if isinstance(device, Monitor) else "printer"
     bands = {"kind": device.bands.kind, "centres": [float(centre).hex() for centre in device.bands.centres]}
     record: Header = {"kind": kind, "bands": bands} | _packed(device, DEVICES[kind], prefix, arrays)
     if isinstance(device, Monitor):
         return record
+
+    # A printer has inks, and may have a forward model, of a kind that files know.
     record |= {"inks": list(device.inks), "modelled": bool(device.modelled), "printer": None}
     if device.printer is not None:
         known = [name for name, form in PRINTERS.items() if type(device.printer) is form.record]

@@ -33,9 +33,9 @@ class Gamut(OfPrinter):
     Parameters
     ----------
     model
-        ``"unit"``: what no reflectance can leave; ``"envelope"``: what no print of the device leaves, band by band.
+        ``"unit"``: from 0 to 1 in every band; ``"envelope"``: the range of the device's prints in every band.
     black
-        What becomes of the dark.  ``"clip"``: it prints as the device's black, the lower bound is 0.  ``"luminance"``:
+        The treatment of the dark.  ``"clip"``: it prints as the device's black, the lower bound is 0.  ``"luminance"``:
         the luminance is at least that of the device's black.  ``"strict"``: no band below its lowest in any print.
     device
         The printer.
@@ -61,7 +61,7 @@ class Gamut(OfPrinter):
 
     @property
     def label(self) -> str:
-        """What being inside proves: of the unit gamut nothing about this printer."""
+        """The claim that being inside proves: of the unit gamut none about this printer."""
         return {"unit": "necessary for a print of any printer", "envelope": "necessary for a print"}[self.model]
 
     @property
@@ -90,7 +90,7 @@ class Gamut(OfPrinter):
         return 0.0 if self.weights is None else float((self.device.samples @ self.weights).min())
 
     def under(self, white: Spectrum) -> "Gamut":
-        """The same gamut seen under a light: what is the luminance of a reflectance depends on it."""
+        """The same gamut seen under a light, on which the luminance of a reflectance depends."""
         if self.weights is None:
             return self
         weights = luminance_weights(self.bands) * white
@@ -105,7 +105,7 @@ class Gamut(OfPrinter):
         return inside if self.weights is None else inside & (self._darker(spectra) == 0)
 
     def violation(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
-        """How far each spectrum is outside in its worst band, or in luminance; 0 inside."""
+        """The distance of each spectrum from its worst bound, in a band or in luminance; 0 inside."""
         check_spectra(spectra, self.bands)
         worst = np.maximum(self.lower - spectra, spectra - self.upper).max(axis=1).clip(min=0.0)
         return worst if self.weights is None else np.maximum(worst, self._darker(spectra))
@@ -160,7 +160,7 @@ class Gamut(OfPrinter):
         return self.basis.vectors[chosen]
 
     def _darker(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
-        """How much darker each spectrum is than black; 0 if it is not, and within rounding of it."""
+        """The luminance by which each spectrum is darker than black; 0 if it is not, and within rounding of black."""
         darker = self.blackest - spectra @ self.weights
         return np.where(darker <= ROUNDING, 0.0, darker)
 
@@ -169,9 +169,12 @@ class Gamut(OfPrinter):
 
     def _lifted(self, spectra: Spectra, weights: Spectrum) -> Spectra:
         """Spectra clipped to the box after just as much of `weights` is added as black's luminance needs."""
+        # Adding `high` times the weights would bring every band to its upper bound.
         low, high = np.zeros(len(spectra)), np.full(len(spectra), 1.0)
         reach = (self.upper - spectra).max(axis=1, initial=0.0) / weights[weights > 0].min()
         high = np.maximum(high, reach)
+
+        # Bisect for the least amount that makes them as light as black.
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
             enough = np.clip(spectra + middle[:, None] * weights, self.lower, self.upper) @ weights >= self.blackest
@@ -209,6 +212,8 @@ def device_gamut(device: Device, model: Model | str = "unit", black: Black | str
         raise ValueError(f"model = {model!r}: there are 'unit' and 'envelope'")
     if black not in ("clip", "luminance", "strict"):
         raise ValueError(f"black = {black!r}: there are 'clip', 'luminance' and 'strict'")
+
+    # The bounds follow from the model above, and from the treatment of black below.
     bands = len(device.bands)
     return Gamut(
         model=model,

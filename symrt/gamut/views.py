@@ -113,29 +113,37 @@ class Shadow:
         apart by a second direction within the face, and then by a third along one of the edges.
         """
         _check_three(self.vectors)
+
+        # The shadow is a sum of segments, one a band: keep those that have a length.
         edges = ((self.upper - self.lower) * self.vectors).T
         edges = edges[np.linalg.norm(edges, axis=1) > 0]
         if np.linalg.matrix_rank(edges, rtol=FLAT) < 3:
             raise ValueError(
                 "the shadow is flat: the gamut differs in too few bands; draw that of another device or model"
             )
+
+        # Every pair of segments that are not parallel spans a face, with a normal.
         first, second = (index.ravel() for index in np.indices((len(edges), len(edges))))
         normals = np.cross(edges[first], edges[second])
         spanned = np.linalg.norm(normals, axis=1) > FLAT * np.linalg.norm(edges[first], axis=1) * np.linalg.norm(
             edges[second], axis=1
         )
         normals, along = normals[spanned], edges[first[spanned]]
+
+        # Collect the corners: each takes every segment from the end that lies farther out.
         sides = [_sides(axis, edges) for axis in (normals, np.cross(normals, along), along)]
         corners = []
         for one, two, three in np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T:
             signs = np.where(sides[0] != 0, one * sides[0], np.where(sides[1] != 0, two * sides[1], three * sides[2]))
             corners.append(signs @ edges / 2)
+
+        # Equal corners of different faces are told apart by rounding alone, which is taken away.
         middle = self.vectors @ ((self.lower + self.upper) / 2)
         return convex_solid(np.unique(np.vstack(corners).round(12), axis=0) + middle)
 
 
 def _sides(axes: Float[np.ndarray, "pair 3"], edges: Float[np.ndarray, "edge 3"]) -> Int[np.ndarray, "pair edge"]:
-    """On which side of each plane each edge points; 0 within it, up to rounding."""
+    """The side of each plane to which each edge points, 1 or -1; 0 within it, up to rounding."""
     along = axes @ edges.T
     size = np.linalg.norm(axes, axis=1)[:, None] * np.linalg.norm(edges, axis=1)
     return np.where(np.abs(along) <= FLAT * size, 0, np.sign(along)).astype(int)
