@@ -1,5 +1,6 @@
 """Small scenes that several rooms' tests share."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,4 +72,19 @@ def hall_of_mirrors(depth: int, tilt: float = 0.1) -> rt.Scene:
         ],
         lights=[rt.PointLight("lamp", position=(0, 1, 0.5)), rt.AmbientLight("sky")],
         depth=depth,
+    )
+
+
+def lamps(count: int, size: int = 24) -> rt.Scene:
+    """A ball above a floor, under a number of lamps that cast shadows."""
+    ring = 2 * math.pi / count
+    places = [(2 * math.cos(k * ring), 3 + k / count, 2 * math.sin(k * ring)) for k in range(count)]
+    return rt.Scene(
+        camera=camera(size),
+        shapes=[
+            rt.Sphere(centre=(0, 0, 0), radius=1, material="ball"),
+            rt.Rectangle(centre=(0, -1.2, 0), edge_u=(8, 0, 0), edge_v=(0, 0, -8), material="floor"),
+        ],
+        materials=[rt.Material("ball", model="phong", exponent=20), rt.Material("floor", model="lambert")],
+        lights=[rt.PointLight(f"lamp{k}", position=place) for k, place in enumerate(places)],
     )

@@ -75,25 +75,3 @@ def without_empty_columns(
         (matrix.data, renumbered[matrix.indices], matrix.indptr), shape=(matrix.shape[0], used.sum())
     )
     return kept, tuple(i for i, present in zip(interactions, used, strict=True) if present)
-
-
-def stack_rows(
-    parts: list[tuple[sparse.csr_array, tuple[Interaction, ...]]], order: Int[np.ndarray, " pixel"]
-) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
-    """Put the rows of several matrices under each other, over the union of their columns, then in the given order."""
-    # Renumber each part's columns to those of the union.
-    columns = sorted({interaction for _, interactions in parts for interaction in interactions})
-    place = {interaction: j for j, interaction in enumerate(columns)}
-    data = np.concatenate([matrix.data for matrix, _ in parts])
-    lookup = [np.array([place[i] for i in interactions], dtype=np.int32) for _, interactions in parts]
-    indices = np.concatenate([to[matrix.indices] for (matrix, _), to in zip(parts, lookup, strict=True)])
-
-    # Rows start elsewhere once they are put in order.
-    counts = np.concatenate([np.diff(matrix.indptr) for matrix, _ in parts])
-    starts = np.concatenate([[0], np.cumsum(counts)])[:-1]
-    indptr = np.concatenate([[0], np.cumsum(counts[order])])
-
-    # Entry k of the result comes from the row that its place belongs to, at the same offset within it.
-    take = np.repeat(starts[order] - indptr[:-1], counts[order]) + np.arange(data.size)
-    shape = (order.size, len(columns))
-    return sparse.csr_array((data[take], indices[take], indptr), shape=shape), tuple(columns)

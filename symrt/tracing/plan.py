@@ -26,6 +26,8 @@ class Planned:
         The reason that it is not simulated; empty where it is.
     rays
         The largest number of rays that it may cost, in words.
+    a_sample
+        The number of rays expected of it for each sample of the film, as far as the scene alone tells.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Planned:
     called_by: tuple[str, ...]
     why: str
     rays: str
+    a_sample: int = 0
 
     @property
     def simulated(self) -> bool:
@@ -58,6 +61,11 @@ class Plan:
 
     def __contains__(self, name: str) -> bool:
         return any(effect.simulated for effect in self.effects if effect.name == name)
+
+    @property
+    def rays_a_sample(self) -> int:
+        """Rays expected for each sample of the film, the camera's own among them; tiles are sized by it."""
+        return 1 + sum(effect.a_sample for effect in self.effects)
 
     @property
     def left_out(self) -> frozenset[str]:

@@ -1,7 +1,7 @@
 """Plan a trace: the effects that a scene calls for; one that nothing calls for is never simulated (before step 1)."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,9 @@ from symrt.tracing import effects
 from symrt.tracing.effects.effect import Call, Effect
 from symrt.tracing.plan import Plan, Planned
 from symrt.tracing.stage import Alternatives
+
+MOST_HITS = 256
+"""Hits that a sample is expected to have: rays that branch at each of many levels mostly leave the scene before."""
 
 
 def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mapping[str, bool] | None = None) -> Plan:
@@ -48,10 +51,9 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     refuse(
         f"force: there is no effect {name!r}; {suggestion(name, sorted(known))}" for name in force if name not in known
     )
-    return Plan(
-        tuple(_planned(effect, effect.call(scene, alternatives), force.get(effect.name)) for effect in effects.EFFECTS),
-        remarks=tuple(_remarks(scene)),
-    )
+    calls = {effect.name: effect.call(scene, alternatives) for effect in effects.EFFECTS}
+    planned = [_planned(effect, calls[effect.name], force.get(effect.name)) for effect in effects.EFFECTS]
+    return Plan(tuple(_counted(planned, calls, scene.depth)), remarks=tuple(_remarks(scene)))
 
 
 def _remarks(scene: Scene) -> Iterator[str]:
@@ -95,6 +97,25 @@ def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
     if forced is False and effect.needed:
         raise ValueError(f"force: {effect.name} cannot be left out: {effect.needed}")
     return Planned(effect.name, "left out, bounded", call.by, left_out, "none")
+
+
+def _counted(planned: list[Planned], calls: Mapping[str, Call], depth: int) -> Iterator[Planned]:
+    """The effects with the rays that a sample is expected to cost, as if each of its rays met something."""
+    simulated = [calls[effect.name] for effect in planned if effect.simulated]
+    sent = sum(call.onwards for call in simulated)
+
+    # Hits of a sample, level by level; where they branch, no more are expected than MOST_HITS.
+    hits, level = 1, 1
+    for _ in range(depth if sent else 0):
+        level *= sent
+        hits += level
+        if hits >= MOST_HITS:
+            hits = MOST_HITS
+            break
+    for effect in planned:
+        call = calls[effect.name]
+        share = call.onwards * (hits - 1) // sent if sent else 0
+        yield replace(effect, a_sample=call.a_hit * hits + share) if effect.simulated else effect
 
 
 @dataclass(frozen=True, eq=False)

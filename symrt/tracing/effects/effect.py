@@ -32,12 +32,18 @@ class Call:
         The largest number of rays that it may cost, in words.
     left_out
         The reason, in words, that it is left out although something calls for it; empty where it is simulated.
+    a_hit
+        Rays that end at each hit, such as one to each light that casts shadows.
+    onwards
+        Rays that each hit sends on, at most; they meet hits of their own, down to the scene's depth.
     """
 
     by: tuple[str, ...]
     without: str
     rays: str = "none"
     left_out: str = ""
+    a_hit: int = 0
+    onwards: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:
         without="no material mirrors",
         rays=f"{scene.depth} a sample",
         left_out="" if scene.depth else "the depth is 0",
+        onwards=1,
     )
 
 

@@ -19,7 +19,7 @@ from symrt.tracing.view import View, Which
 def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  whatever a shape is made of, it hides
     casting = tuple(light.name for light in scene.lights if light.shadows)
     without = "there is no shape" if casting else "no light casts any"
-    return Call(casting if scene.shapes else (), without=without, rays=f"{len(casting)} a hit")
+    return Call(casting if scene.shapes else (), without, rays=f"{len(casting)} a hit", a_hit=len(casting))
 
 
 def _visible(stage: Stage, view: View, hit: Which, direction: Vectors, distance: PerHit, count: Counter[str]) -> PerHit:

@@ -1,0 +1,40 @@
+"""The tiles that a picture is rendered in: their size depends on the scene alone (steps 1 and 2)."""
+
+Window = tuple[int, int, int, int]
+
+SAMPLES = 32768
+"""Film samples in a tile, at most: enough to amortise NumPy's calls, few enough to stay in cache and be shared out."""
+RAYS = 1 << 18
+"""Rays in a tile, at most, as far as the plan expects them: a tree keeps some hundred bytes of each."""
+
+
+def tiles(
+    width: int, height: int, rays_a_pixel: int, rays_a_sample: int = 1, rows: tuple[int, int] | None = None
+) -> list[Window]:
+    """Windows that cover the film in the order of its pixels: bands of whole rows, or pieces of one that is too long.
+
+    Parameters
+    ----------
+    rays_a_pixel
+        Samples of the film in each pixel.
+    rays_a_sample
+        Rays that the plan expects for each of them.
+    rows
+        The first row and the one after the last, where only some are covered.
+
+    Examples
+    --------
+    >>> tiles(512, 512, 1)[:2]
+    [(0, 0, 512, 64), (0, 64, 512, 128)]
+    >>> tiles(512, 512, 1, rays_a_sample=64)[0], tiles(512, 512, 1, rows=(500, 512))
+    ((0, 0, 512, 8), [(0, 500, 512, 512)])
+    """
+    first, last = rows or (0, height)
+    samples = min(SAMPLES, max(1, RAYS // rays_a_sample))
+    across = max(1, min(width, samples // rays_a_pixel))
+    down = max(1, samples // (across * rays_a_pixel)) if across == width else 1
+    return [
+        (x, y, min(x + across, width), min(y + down, last))
+        for y in range(first, last, down)
+        for x in range(0, width, across)
+    ]
