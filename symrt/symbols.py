@@ -13,12 +13,12 @@ from functools import cached_property, lru_cache
 from symrt.errors import shown
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-"""What lights, materials, components and textures may be called."""
+"""The names that lights, materials, components and textures may have."""
 RESERVED = ("bands", "unphysical")
 """Keys of a palette's table in a file: no light can be called so."""
 SURFACE = re.compile(rf"(?:({NAME.pattern})>)?({NAME.pattern})")
 OF_MATERIAL = re.compile(rf"{SURFACE.pattern}\.({NAME.pattern})")
-"""What reflectances and parameters are called: ``sea.diffuse``, ``sea>ice.diffuse``, ``brass.exponent``."""
+"""The names of reflectances and parameters: ``sea.diffuse``, ``sea>ice.diffuse``, ``brass.exponent``."""
 WRITTEN = rf"{NAME.pattern}(?:(?:>{NAME.pattern})?\.{NAME.pattern})?"
 """A symbol within a longer text."""
 REMEMBERED = 1 << 14
@@ -32,7 +32,7 @@ class Surface:
     Parameters
     ----------
     material
-        Whose formulas, spectra and parameters it has.
+        The material whose formulas, spectra and parameters it has.
     instead_of
         The material that it might take the place of; empty for one that the scene has.
 
@@ -73,7 +73,7 @@ class Surface:
 
     @cached_property
     def alternative(self) -> bool:
-        """Whether it might be there, and is not."""
+        """True if it might be there, and is not."""
         return bool(self.instead_of)
 
     def __str__(self) -> str:
@@ -95,7 +95,7 @@ class Symbol:
     surface
         The material that reflects, and the place where it does.
     component
-        Which of the material's spectra, such as ``diffuse``; empty for a light.
+        The one of the material's spectra, such as ``diffuse``; empty for a light.
 
     Examples
     --------
@@ -135,7 +135,7 @@ class Symbol:
 
     @cached_property
     def reflectance(self) -> bool:
-        """Whether it is a reflectance, and no light."""
+        """True if it is a reflectance, and no light."""
         return not self.light
 
     @cached_property
@@ -150,7 +150,7 @@ class Symbol:
 
     @cached_property
     def alternative(self) -> bool:
-        """Whether it is of a material that might be at its place, and is not."""
+        """True if it is of a material that might be at its place, and is not."""
         return self.surface.alternative
 
     def __str__(self) -> str:
