@@ -5,12 +5,15 @@ once; a ray then walks down three levels at a time, through eight children.  A b
 rounding, so the hierarchy only ever leaves out what the ray cannot meet.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt import fast
 from symrt.arrays import PerRay
 from symrt.geometry.rays import ROUNDING, Rays
 
@@ -41,6 +44,14 @@ class Tree:
     boxes: tuple[Float[np.ndarray, "2 3 _"], ...]
     reach: float
     each: Float[np.ndarray, "2 3 slot"] | None = None
+
+    @cached_property
+    def flat(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The boxes of all levels side by side, where each level starts, the order, and the boxes in the slots."""
+        starts = np.cumsum([0, *(box.shape[2] for box in self.boxes[:-1])])
+        joined = np.concatenate([box.reshape(6, -1) for box in self.boxes], axis=1)
+        each = np.empty((6, 0)) if self.each is None else np.ascontiguousarray(self.each.reshape(6, -1))
+        return np.ascontiguousarray(joined), starts, np.ascontiguousarray(self.order), each
 
 
 def build(low: Float[np.ndarray, "3 box"], high: Float[np.ndarray, "3 box"], *, dear: bool = False) -> Tree:
@@ -114,6 +125,9 @@ def candidates(
     # Boxes are widened by what rounding may move the ray aside in the test of what is inside.
     room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
     path = _Path(rays.origin + room, rays.origin - room, inverse, low, high)
+    if kernels := fast.kernels("symrt.geometry.fast.boxes", WAYS * len(rays)):
+        return _walked(kernels.walk, tree, path)
+
     # All rays against each of a few boxes need no indexing, which is dearer than the test itself.
     top = tree.boxes[min(1, len(tree.boxes) - 1)]
     kept = [np.flatnonzero(_meets(top[:, :, k : k + 1], path)) for k in range(top.shape[2])]
@@ -130,6 +144,20 @@ def candidates(
         ray, slot = ray[keep], slot[keep]
     number = tree.order[slot]
     return ray[number >= 0], number[number >= 0]
+
+
+def _walked(
+    walk: Callable[..., int], tree: Tree, path: "_Path"
+) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
+    """The same pairs from the compiled kernel, in the order of the rays."""
+    rays = [np.ascontiguousarray(values) for values in path]
+    room = 2 * rays[-1].size
+    while True:
+        pairs = np.empty((2, room), dtype=np.int64)
+        count = walk(*tree.flat, *rays, *pairs)
+        if count <= room:
+            return pairs[0, :count], pairs[1, :count]
+        room = count
 
 
 class _Path(NamedTuple):

@@ -115,6 +115,17 @@ class Shapes(Sequence[Any]):
             yield index, by_shape.get(index)
 
 
+def gathered(shapes: Sequence[Any]) -> Shapes:
+    """A list of shapes as one record; gather those of a scene once.
+
+    Examples
+    --------
+    >>> len(gathered([]))
+    0
+    """
+    return shapes if isinstance(shapes, Shapes) else Shapes(tuple(shapes))
+
+
 def _may_meet(boxes: Float[np.ndarray, "2 3 shape"], rays: Rays, limit: PerRay | float) -> Bool[np.ndarray, " shape"]:
     """Whether some ray may pass through each box: by the interval of all origins, and that of all directions."""
     start, end = rays.origin.min(axis=1)[:, None], rays.origin.max(axis=1)[:, None]

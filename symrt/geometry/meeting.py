@@ -1,6 +1,6 @@
 """What rays meet first among many shapes, and whether they meet anything (step 1)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -9,6 +9,7 @@ from jaxtyping import Bool, Int
 
 from symrt import fast
 from symrt.arrays import PerRay, Vectors
+from symrt.geometry.culling import Shapes, gathered
 from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, leaves, surface
 
 
@@ -108,12 +109,11 @@ def nearest(shapes: Sequence[Any], rays: Rays) -> Hits:
     >>> nearest([far, near], ray).shape
     array([1], dtype=int32)
     """
-    found = no_hits(len(rays))
-    for start in range(0, len(rays), BLOCK):
-        block = slice(start, start + BLOCK)
+    among, found = gathered(shapes), no_hits(len(rays))
+    for block in _blocks(among, len(rays)):
         part, hits = rays[block], Hits(found.distance[block], found.shape[block], found.primitive[block])
-        for index, shape in enumerate(shapes):
-            meet(shape, index, part, hits)
+        for index, which in among.asked(part, np.inf):
+            meet(among[index], index, part, hits, which=which)
     return found
 
 
@@ -128,15 +128,18 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
     >>> occluded([ball], ray, limit=np.array([1.5])), occluded([ball], ray, limit=np.array([np.inf]))
     (array([False]), array([ True]))
     """
-    blocked = np.zeros(len(rays), bool)
-    for start in range(0, len(rays), BLOCK):
-        chosen = np.arange(start, min(start + BLOCK, len(rays)))
-        part, hits = rays[start : start + BLOCK], replace(no_hits(chosen.size), distance=limit[chosen])
-        for index, shape in enumerate(shapes):
-            meet(shape, index, part, hits, any_hit=True)
+    among, blocked = gathered(shapes), np.zeros(len(rays), bool)
+    for block in _blocks(among, len(rays)):
+        chosen = np.arange(len(rays))[block]
+        part, hits = rays[block], replace(no_hits(chosen.size), distance=limit[chosen])
+        for index, which in among.asked(part, limit[chosen]):
+            if which is not None:
+                meet(among[index], index, part, hits, which=which[hits.shape[which] < 0], any_hit=True)
+                continue
+            meet(among[index], index, part, hits, any_hit=True)
             hidden = hits.shape >= 0
-            # Copying the rays that are left pays once enough of them are done with.
-            if np.count_nonzero(hidden) * 8 > hidden.size:
+            # Copying the rays that are left pays once enough of them are done with, if all shapes are asked about all.
+            if among.tree is None and np.count_nonzero(hidden) * 8 > hidden.size:
                 blocked[chosen[hidden]] = True
                 chosen, part = chosen[~hidden], part[~hidden]
                 hits = replace(no_hits(chosen.size), distance=limit[chosen])
@@ -158,12 +161,16 @@ def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
     count = len(rays)
     point, normal, shading, uv, extent = (np.zeros((rows, count)) for rows in (3, 3, 3, 2, 2))
     whole = Surface(point, normal, shading, uv, extent, np.zeros(count))
-    for index, shape in enumerate(shapes):
-        chosen = np.flatnonzero(hits.shape == index)
-        if chosen.size:
-            part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
-            for name in (f.name for f in fields(Surface)):
-                getattr(whole, name)[..., chosen] = getattr(part, name)
+
+    # The rays of each shape that was met, together and in their order.
+    order = np.argsort(hits.shape, kind="stable")
+    order = order[np.count_nonzero(hits.shape < 0) :]
+    first = np.flatnonzero(np.diff(hits.shape[order], prepend=-1))
+    for chosen in np.split(order, first)[1:]:
+        shape = shapes[int(hits.shape[chosen[0]])]
+        part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
+        for name in (f.name for f in fields(Surface)):
+            getattr(whole, name)[..., chosen] = getattr(part, name)
     return whole
 
 
@@ -179,9 +186,12 @@ def leaving_of(shapes: Sequence[Any], hits: Hits) -> Int[np.ndarray, "2 ray"]:
     >>> leaving_of(shapes, nearest(shapes, Rays(np.zeros((3, 1)), np.array([[0.0], [0.0], [-1.0]])))).tolist()
     [[0], [-1]]
     """
-    leaving = np.full((2, hits.shape.size), -1, np.int32)
-    for index in np.unique(hits.shape[hits.shape >= 0]).tolist():
-        for row, good in enumerate(leaves(shapes[index])):
-            if good:
-                leaving[row, hits.shape == index] = index
-    return leaving
+    # The last entry stands for rays that met nothing.
+    good = np.array([*map(leaves, shapes), (False, False)]).T
+    return np.where(good[:, hits.shape], hits.shape, np.int32(-1))
+
+
+def _blocks(among: Shapes, count: int) -> Iterator[slice]:
+    """Parts of as many rays as stay in the cache; where a hierarchy picks the rays of each shape, all at once."""
+    size = BLOCK if among.tree is None else max(1, count)
+    return (slice(start, start + size) for start in range(0, count, size))

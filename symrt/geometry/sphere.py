@@ -12,7 +12,7 @@ References
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -35,6 +35,7 @@ from symrt.arrays import (
 )
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
+from symrt.geometry.flats import Column
 from symrt.geometry.rays import (
     ROUNDING,
     Crossing,
@@ -210,14 +211,19 @@ def surface_sphere(sphere: Sphere, rays: Rays, distance: PerRay, primitive: Int[
 
 
 def _geographic(sphere: Sphere, normal: Float[np.ndarray, "3 ray"]) -> Float[np.ndarray, "2 ray"]:
-    pole = normalise(column(sphere.pole))
-    meridian = normalise(column(sphere.meridian))
-    meridian = normalise(meridian - dot(meridian, pole) * pole)
-    east = np.cross(pole, meridian, axis=0)
+    meridian, east, pole = _axes(tuple(sphere.pole), tuple(sphere.meridian))
     x, y, up = dot(normal, meridian), dot(normal, east), dot(normal, pole)
     u = np.arctan2(y, x) / (2 * np.pi) + 0.5
     v = np.arctan2(np.hypot(x, y), up) / np.pi
     return np.stack([np.where(u >= 1, 0.0, u), v])
+
+
+@lru_cache(256)
+def _axes(pole: Triple, meridian: Triple) -> tuple[Column, Column, Column]:
+    """Unit vectors to the meridian, to the east of it, and to the pole; many spheres share them."""
+    up, ahead = normalise(column(pole)), normalise(column(meridian))
+    ahead = normalise(ahead - dot(ahead, up) * up)
+    return ahead, np.cross(up, ahead, axis=0), up
 
 
 @bounds.register(Sphere)

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from symrt.geometry.box import Box
+from symrt.geometry.culling import Shapes, gathered
 from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
@@ -43,7 +44,7 @@ class Stage:
     """
 
     camera: Camera
-    shapes: tuple[object, ...]
+    shapes: Shapes
     slots: tuple[str, ...]
     first_slot: np.ndarray
     textures: Mapping[str, object]
@@ -66,7 +67,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
     loaded = (load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes)
-    shapes = tuple(translate(shape, np.array(by)) for shape in loaded)
+    shapes = gathered([translate(shape, np.array(by)) for shape in loaded])
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
 
@@ -135,13 +136,13 @@ def _checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternati
     return {material: tuple(dict.fromkeys(others)) for material, others in alternatives.items()}
 
 
-def _numbered(shapes: tuple[object, ...]) -> tuple[tuple[str, ...], np.ndarray]:
+def _numbered(shapes: Shapes) -> tuple[tuple[str, ...], np.ndarray]:
     """The slots of all shapes, one shape after the other, and the first slot of each."""
     slots: list[str] = []
     first = []
     for shape in shapes:
         first.append(len(slots))
-        slots += shape.materials if isinstance(shape, TriangleMesh | Box) else [shape.material]  # type: ignore[attr-defined]
+        slots += shape.materials if isinstance(shape, TriangleMesh | Box) else [shape.material]
     return tuple(slots), np.array(first, dtype=np.int64)
 
 
@@ -152,6 +153,6 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
     return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}
 
 
-def _nearest(shapes: tuple[object, ...], place: np.ndarray) -> float:
+def _nearest(shapes: Shapes, place: np.ndarray) -> float:
     """The distance from a place to the nearest surface; infinite where there is none."""
     return min((clearance(shape, place) for shape in shapes), default=float("inf"))

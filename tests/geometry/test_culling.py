@@ -2,9 +2,25 @@
 
 import numpy as np
 import pytest
+from geometry import both
+from geometry.both import COMPILED
 
+from symrt import fast
 from symrt.arrays import normalise
-from symrt.geometry import Box, Cylinder, Disk, Plane, Rays, Rectangle, Sphere, TriangleMesh, intersect
+from symrt.geometry import (
+    Box,
+    Cylinder,
+    Disk,
+    Plane,
+    Rays,
+    Rectangle,
+    Sphere,
+    TriangleMesh,
+    bvh,
+    intersect,
+    surface,
+    surfaces,
+)
 from symrt.geometry.culling import Shapes, bounds
 
 
@@ -113,3 +129,40 @@ def test_what_has_no_end_and_no_rays_are_answered():
     assert list(shapes.asked(rays, np.inf)) == [(0, None), (1, None)]
     assert list(shapes.asked(rays[:0], np.inf)) == []
     assert list(Shapes(()).asked(rays, np.inf)) == []
+
+
+@pytest.mark.skipif(not COMPILED, reason="numba is not installed")
+@pytest.mark.parametrize("count", [1, 5, 70, 600])
+@pytest.mark.parametrize("dear", [False, True])
+def test_the_compiled_walk_names_the_same_pairs(count, dear):
+    random = np.random.default_rng(count)
+    low = random.uniform(-4, 4, (3, count))
+    tree = bvh.build(low, low + random.exponential(3.0, (3, count)), dear=dear)
+    for kind in ("camera", "parallel", "any"):
+        rays, last = beam(random, kind), random.choice([2.0, 7.0, np.inf], 400)
+        pairs = []
+        for compiled in (False, True):
+            with fast.use(compiled):
+                ray, number = bvh.candidates(tree, rays, np.zeros(400), last)
+            pairs.append(sorted(zip(ray.tolist(), number.tolist(), strict=True)))
+        assert pairs[0] == pairs[1]
+        assert kind != "any" or count < 600 or len(pairs[0]) > 800  # more than there is room for at first
+
+
+@pytest.mark.parametrize("count", [6, 60])
+@pytest.mark.parametrize("kind", ["camera", "lamp", "any"])
+def test_what_is_met_first_and_what_hides_are_those_of_every_shape_by_itself(kind, count):
+    random = np.random.default_rng(7)
+    shapes = [*some_shapes(random, count, spread=3.0), Plane((0, -3, 0), (0, 1, 0), "red")]
+    rays, limit = beam(random, kind), random.uniform(0, 12, 400)
+    alone = np.array([intersect(shape, rays).distance for shape in shapes])
+    hits = both.nearest(shapes, rays)
+    np.testing.assert_array_equal(hits.distance, alone.min(axis=0))
+    np.testing.assert_array_equal(hits.shape, np.where(np.isfinite(hits.distance), alone.argmin(axis=0), -1))
+    np.testing.assert_array_equal(both.occluded(shapes, rays, limit), (alone < limit).any(axis=0))
+    found = surfaces(shapes, rays, hits)
+    for index in np.unique(hits.shape[hits.shape >= 0]).tolist():
+        own = np.flatnonzero(hits.shape == index)
+        one = surface(shapes[index], rays[own], hits.distance[own], hits.primitive[own])
+        np.testing.assert_array_equal(found.point[:, own], one.point)
+        np.testing.assert_array_equal(found.normal[:, own], one.normal)
