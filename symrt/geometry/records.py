@@ -36,6 +36,10 @@ def finite(owner: str, **values: Any) -> None:
     ValueError: sphere: radius = inf: it must be finite
     """
     for name, value in values.items():
+        # Plain numbers need no array; nan compares as larger than any.
+        parts = value if isinstance(value, tuple) else (value,)
+        if all(type(part) in (int, float) and abs(part) <= LARGEST for part in parts):
+            continue
         for part in np.asarray(value, dtype=object).ravel():
             if isinstance(part, bool | np.bool) or not isinstance(part, Real):
                 raise ValueError(  # noqa: TRY004 -- a bad field is a bad value
