@@ -1,4 +1,4 @@
-"""What every pixel does along a parameter: step 5 of the paper.
+"""Every pixel as a polynomial in one parameter: step 5 of the paper.
 
 Scalars factor out of the products of spectra, so that a pixel is a polynomial in each parameter ``t`` whose
 coefficients are spectra,
@@ -41,12 +41,12 @@ class Along:
     degrees
         Of each pixel's own polynomial.
     terms
-        The most numbers that are added or multiplied for one coefficient: what bounds its rounding.
+        The most numbers that are added or multiplied for one coefficient, which bounds its rounding.
     signed
-        Whether some coefficient of G, or a weight of what looks at the pixels, is negative, so that they need not be
-        monotone.
+        True if some coefficient of G, or a weight through which the pixels are seen, is negative, so that they need
+        not be monotone.
     sizes
-        The parts with all signs dropped, where some are negative: what rounding is a share of.
+        The parts with all signs dropped, where some are negative; rounding is a share of these.
     """
 
     form: Literal["power", "bernstein"]
@@ -167,7 +167,10 @@ def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along
 
 def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> Along:
     """Every pixel as a polynomial in t when each of the symbols goes from its first spectrum to its last."""
-    _check_settled(system)
+    if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
+        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")
+
+    # Expand Γ of every interaction in t; those that do not move keep theirs.
     given = gamma(system.interactions, palette)
     moving = [not ends.keys().isdisjoint((i.light, *i.met)) for i in system.interactions]
     columns = [
@@ -176,10 +179,14 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
     ]
     degrees = np.array([len(c) - 1 for c in columns], dtype=int)
     degree = int(degrees.max(initial=0))
+
+    # From nothing it is a power of t; any other line is raised to the common degree, in Bernstein's form.
     power = all(not first.any() for first, _ in ends.values())
     chosen: list[np.ndarray] = [degrees == k if power else degrees >= 0 for k in range(degree + 1)]
     values = [c[-1:].repeat(degree + 1, axis=0) if power else _bernstein(c, degree) for c in columns]
     spectra = np.array(values).reshape(-1, degree + 1, len(palette.bands))
+
+    # A line between equal spectra changes nothing.
     changing = (degrees > 0) & (spectra.any(axis=(1, 2)) if power else (spectra != spectra[:, :1]).any(axis=(1, 2)))
     return Along(
         form="power" if power else "bernstein",
@@ -223,8 +230,3 @@ def _degrees(system: LinearSystem, columns: Int[np.ndarray, " interaction"]) -> 
     for degree in range(1, int(columns.max(initial=0)) + 1):
         highest[pixel[(columns[system.G.indices] == degree) & (system.G.data != 0)]] = degree
     return highest
-
-
-def _check_settled(system: LinearSystem) -> None:
-    if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
-        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")

@@ -15,18 +15,18 @@ from symrt.feedback.bounds import Bound, nearest_slab
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits
 from symrt.feedback.lines import Line
-from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.feedback.solids import Solid, swept
 from symrt.feedback.weighing import Weighed, check_most
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 
 DIRECTIONS = 256
 """Directions of reflectance in which the extreme pixels are looked for."""
-CHUNK = 4096
+SHADED_AT_ONCE = 4096
 """Pixels shaded at a time."""
-CLOSE = 1e-9
+NO_ROOM = 1e-9
 """Room, as a share of its bound, that leaves no doubt that it is this slab that stops a pixel."""
 BEYOND = 1e-3
 """Share of a value beyond which a pixel is certainly outside what it meets there."""
@@ -63,20 +63,23 @@ def drawn(line: Line, asked: Limits, counted: Weighed, now: Number, most: int, e
     now
         The parameter's value in the palette given.
     most
-        How many pixels to ask about at most.
+        The largest number of pixels to ask about.
     extremes
-        Whether half of them are those that are extreme in some direction, as well as drawn evenly; a share of pixels
-        can only be told from an even draw.
+        True to make half of them those that are extreme in some direction; a share of pixels can only be told from an
+        even draw.
 
     Raises
     ------
     ValueError
         If no pixel is to be asked about.
     """
+    # Leave out the pixels that print as the device's black.
     check_most(most)
     if asked.solids:
         darker = darker_than_black(line, asked, counted.pixels, now)
         counted = _taken(counted, np.flatnonzero(~darker), "pixels darker than the device's black print as it")
+
+    # Where pixels are asked about one by one, draw some of them.
     few = counted.pixels
     if not asked.slow or len(few) <= most:
         return counted
@@ -94,7 +97,7 @@ def darker_than_black(line: Line, asked: Limits, pixels: Pixels, t: Number) -> B
 
 
 def _taken(counted: Weighed, places: Pixels, note: str) -> Weighed:
-    """Some of the pixels, with a word about which."""
+    """Some of the pixels, with a note that says which."""
     if len(places) == len(counted.pixels):
         return counted
     return replace(
@@ -106,17 +109,18 @@ def _taken(counted: Weighed, places: Pixels, note: str) -> Weighed:
 
 
 class Met(NamedTuple):
-    """What a pixel meets, and the weights of the bands in what is bounded there."""
+    """The reason that stops a pixel, and the weights of the bands in the quantity bounded there."""
 
     reason: Reason
     weights: Spectrum
 
 
 def met(line: Line, asked: Limits, end: End, t: float, width: int) -> Met:
-    """What the pixel of an end meets at t: the slab that leaves no room, or else the part of the gamut that it leaves.
+    """The bound that the pixel of an end meets at t: a slab that leaves no room, or else a part of the gamut.
 
     A part without slabs is met where the nearest spectrum inside differs most, and bounds the difference from it.
     """
+    # Ask every part of the gamut for the room that it leaves.
     pixel = np.array([end.pixel])
     at_edge = [
         _slab_met(line, asked, asked.upper if end.kind == "upper" or asked.dark is None else asked.dark, pixel, t)
@@ -124,6 +128,8 @@ def met(line: Line, asked: Limits, end: End, t: float, width: int) -> Met:
     if end.kind == "upper":
         at_edge += [_slab_met(line, asked, solid.bound, pixel, t) for solid in asked.solids if solid.bound is not None]
         at_edge += [_solid_met(line, asked, solid, pixel, t) for solid in asked.solids if solid.bound is None]
+
+    # The part with the least room is met.
     found = min(at_edge, key=lambda pair: pair[0])[1]
     y, x = divmod(end.pixel, width)
     return found._replace(reason=replace(found.reason, x=x, y=y))
@@ -146,35 +152,42 @@ def _slab_met(line: Line, asked: Limits, bound: Bound, pixel: Pixels, t: float) 
 
 
 def _solid_met(line: Line, asked: Limits, solid: Solid, pixel: Pixels, t: float) -> tuple[float, Met]:
-    """How a pixel leaves a part without slabs just beyond t; with room, if it does not."""
+    """The way in which a pixel leaves a part without slabs just beyond t, and no room; much room if it does not."""
     for beyond in (t * (1 + BEYOND), t * (1 - BEYOND)):
         if not solid.inside(line, pixel, beyond)[0]:
+            # The band in which the nearest spectrum inside differs most is the one bounded.
             spectrum = solid.reflectances(line, pixel, beyond)
             away = (spectrum - solid.gamut.nearest(spectrum))[0]
             band = int(np.abs(away).argmax())
             guess = any(bool(device.extrapolated[band]) for device in solid.gamut.devices)
             side: Literal["upper", "lower"] = "upper" if away[band] > 0 else "lower"
+
+            # Say whose bound it is, if there are several.
             several = len(asked.solids) > 1
             whose = f"{solid.gamut.devices[0].name}'s {solid.gamut.model}" if several else f"the {solid.gamut.model}"
             reason = Reason(side, band=asked.bands.labels[band], extrapolated=guess, of=whose)
-            return CLOSE, Met(reason, solid.shown * away)
+            return NO_ROOM, Met(reason, solid.shown * away)
     return np.inf, Met(Reason("range"), asked.luminance)
 
 
 def _extreme(line: Line, pixels: Pixels, most: int) -> Pixels:
     """Places in `pixels` of those that reach farthest in seeded random directions and in each band, both ways."""
+    # Look along every band, and along random directions.
     bands = line.at(1.0, slice(0, 0)).shape[1]
     random = np.random.default_rng(0).normal(size=(bands, DIRECTIONS))
     directions = np.hstack([np.eye(bands), random])
+
+    # Keep who reaches farthest along each, and against it.
     best = np.full((2, directions.shape[1]), -np.inf)
     who = np.zeros(best.shape, dtype=int)
-    for start in range(0, len(pixels), CHUNK):
-        reach = line.seen(directions, pixels[start : start + CHUNK]).at(1.0)
+    for start in range(0, len(pixels), SHADED_AT_ONCE):
+        reach = line.seen(directions, pixels[start : start + SHADED_AT_ONCE]).at(1.0)
         for sign, row in ((1, 0), (-1, 1)):
             place = (sign * reach).argmax(axis=0)
             value = sign * reach[place, np.arange(reach.shape[1])]
             farther = value > best[row]
             best[row, farther], who[row, farther] = value[farther], start + place[farther]
+
     # Of too many, those in single bands come first, and not those at the top of the picture.
     places, first = np.unique(who.ravel(order="F"), return_index=True)
     return np.sort(places[np.argsort(first)][:most])

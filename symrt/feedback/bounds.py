@@ -1,4 +1,4 @@
-"""Bounds on radiances: what slabs of reflectances ask of pixels seen against a reference white, for step 5."""
+"""Bounds on radiances, from slabs of reflectances seen against a reference white: step 5 of the paper."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from symrt.gamut.interface import Slabs
 
 NEGLIGIBLE = 1e-4
 """Share of a slab's weights that may lie in bands that the reference white does not light."""
-THIN = 1e-3
+THIN_SLAB = 1e-3
 """A slab whose bounds are all smaller has its distances counted as they are, not as shares."""
 
 PerSlab = Float[np.ndarray, " slab"]
@@ -30,9 +30,9 @@ class Bound:
     bands
         The band that each slab bounds alone; -1 where it weighs several.
     words
-        What each slab bounds, if it weighs several bands.
+        The quantity that each slab bounds, if it weighs several bands.
     extrapolated
-        Whether the device was not measured there.
+        True where the device was not measured.
     """
 
     matrix: Float[np.ndarray, "band slab"]
@@ -44,7 +44,7 @@ class Bound:
 
     @property
     def signed(self) -> bool:
-        """Whether more light may bring a pixel inside, so that nothing can be said from the lightest image alone."""
+        """True if more light may bring a pixel inside, so that the lightest image alone decides nothing."""
         return bool((self.matrix < 0).any())
 
 
@@ -54,7 +54,7 @@ def bound_of(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> B
     Parameters
     ----------
     shown
-        What makes a reflectance of a radiance, 0 in bands that the reference does not light.
+        The factors from radiance to reflectance, 0 in bands that the reference does not light.
     lower, upper
         Bounds, infinite where nothing is asked for.
 
@@ -70,12 +70,15 @@ def bound_of(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> B
     >>> bound_of(slabs, np.array([0.25]), np.array([-np.inf]), slabs.upper).matrix
     array([[0.25]])
     """
+    # Leave out slabs of a single unlit band; refuse those of several bands that depend on unlit ones.
     weight = np.abs(slabs.matrix)
     unlit = weight[shown == 0].sum(axis=0) / weight.sum(axis=0)
     used = (np.isfinite(lower) | np.isfinite(upper)) & ~((slabs.bands >= 0) & (unlit > 0))
     if (unlit[used] > NEGLIGIBLE).any():
         word = slabs.words[int(np.flatnonzero(used & (unlit > NEGLIGIBLE))[0])]
         raise ValueError(f"the reference leaves bands dark that {word} depends on: use Reference('equal-energy')")
+
+    # Weigh radiances as the reflectances that they show.
     return Bound(
         matrix=slabs.matrix[:, used] * shown[:, None],
         lower=lower[used],
@@ -89,7 +92,7 @@ def bound_of(slabs: Slabs, shown: Spectrum, lower: PerSlab, upper: PerSlab) -> B
 def alike(sizes: Sizes, bound: Bound) -> Iterator[tuple[Int[np.ndarray, " row"], float]]:
     """Rows of about the same size, and the largest there; those no larger than the bounds are together.
 
-    What is lost to rounding in a pixel as bright as the sun is not to be feared in any other.
+    The rounding of a pixel as bright as the sun need not be feared in any other.
 
     Examples
     --------
@@ -115,6 +118,6 @@ def nearest_slab(bound: Bound, values: PerSlab) -> tuple[Literal["upper", "lower
     ('upper', 1, 0.2)
     """
     size = np.maximum(*(np.where(np.isfinite(b), np.abs(b), 0.0) for b in (bound.lower, bound.upper)))
-    room = np.stack([bound.upper - values, values - bound.lower]) / np.where(size > THIN, size, 1.0)
+    room = np.stack([bound.upper - values, values - bound.lower]) / np.where(size > THIN_SLAB, size, 1.0)
     side, slab = np.unravel_index(int(room.argmin()), room.shape)
     return ("upper", "lower")[side], int(slab), float(room[side, slab].round(15))

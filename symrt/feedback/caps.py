@@ -15,13 +15,13 @@ from symrt.spectra.palette import Palette
 from symrt.symbols import Symbol
 
 TOGETHER = frozenset({"diffuse", "specular", "mirror"})
-INWARD = 1 - 2.0**-50
-MOST = 1 + 2.0**-50
+BELOW_ONE = 1 - 2.0**-50
+ABOVE_ONE = 1 + 2.0**-50
 """Three roundings at most: a sum that is 1 in decimals is not above it."""
 
 
 class Cap(NamedTuple):
-    """The largest physical scale, and what reaches 1 in which band there: a material or a symbol, and its symbols."""
+    """The largest physical scale; the material or symbol that reaches 1 there, the band, and the symbols of it."""
 
     value: float
     symbol: str
@@ -48,11 +48,12 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
         rising = sum((palette[s] for s in symbols if s in moved), np.zeros(len(palette.bands)))
         rest = sum((palette[s] for s in symbols if s not in moved), np.zeros(len(palette.bands)))
         if rising.any():
+            # The factor at which moving and resting reflectances first sum to 1.
             room = np.maximum(1 - rest, 0)
-            factors = np.divide(room, rising, out=np.full(len(room), np.inf), where=rising > 0) * INWARD
+            factors = np.divide(room, rising, out=np.full(len(room), np.inf), where=rising > 0) * BELOW_ONE
             band = int(factors.argmin())
-            # What is physical as given may stay as it is.
-            least = 1.0 if _total(palette, symbols).max() <= MOST else 0.0
+            # A material that is physical as given may stay as it is.
+            least = 1.0 if _total(palette, symbols).max() <= ABOVE_ONE else 0.0
             caps.append(Cap(max(least, float(factors[band])), name, palette.bands.labels[band], frozenset(symbols)))
     return min(caps, key=lambda found: found.value, default=UNLIMITED)
 
@@ -67,7 +68,7 @@ def above_one(palette: Palette, moved: Collection[str] | None = None) -> tuple[s
     ('brass',)
     """
     groups = {n: g for n, g in grouped(palette).items() if moved is None or not set(g).isdisjoint(moved)}
-    return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > MOST)
+    return tuple(name for name, symbols in groups.items() if _total(palette, symbols).max() > ABOVE_ONE)
 
 
 def grouped(palette: Palette) -> Mapping[str, list[str]]:

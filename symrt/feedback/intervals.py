@@ -2,7 +2,7 @@
 
 An affine pixel is clipped, a posynomial's bounds are met once each, and anything else is enclosed in Bernstein's form.
 Pixels are themselves sums of rounded products: the bounds are moved inwards by as much as those can be off, so that
-what is certified holds for the system's and the palette's own numbers.
+the certificate holds for the system's and the palette's own numbers.
 """
 
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from jaxtyping import Bool, Float, Int
 from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound, Sizes, alike
 from symrt.feedback.lines import Line
-from symrt.feedback.paints import Paints, painted_intervals
-from symrt.feedback.polynomials import ROUNDING, Spans, highest, lowest, spans_inside
+from symrt.feedback.paints import PIXELS_AT_ONCE, Paints, painted_intervals
+from symrt.feedback.polynomials import highest, lowest, spans_inside
 from symrt.gamut.clipping import clip_slabs
+from symrt.gamut.interface import ROUNDING
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 
-TILE = 2048
-"""Pixels shaded and clipped at a time: their spectra stay in cache."""
-NARROW = 32
+FEW_SLABS = 32
 """Slabs; of fewer, more pixels fit."""
 
 LONG = 100
@@ -47,21 +47,24 @@ def intervals(line: Line, bound: Bound, within: Range, inward: int = 2) -> Spans
     sure, rest = _parted(line, bound, within[1])
     line = line if not len(sure) else line.taken(rest)
     tiles = [Spans(sure, np.full(len(sure), float(within[0])), np.full(len(sure), float(within[1])))]
-    for start in range(0, len(rest), TILE):
-        found = _tile(line, slice(start, start + TILE), bound, within, inward)
+    for start in range(0, len(rest), PIXELS_AT_ONCE):
+        found = _tile(line, slice(start, start + PIXELS_AT_ONCE), bound, within, inward)
         tiles.append(found._replace(pixel=rest[found.pixel + start]))
     return _ordered(tiles)
 
 
 def inside_at(line: Line, bound: Bound, t: Number, share: float = 1.0) -> Bool[np.ndarray, " pixel"]:
-    """Whether each row is inside at one t; what cannot be told from the boundary, by its rounding, is."""
+    """Whether each row is inside at one t; a row that rounding cannot tell from the boundary is."""
+    # Rows far below every bound need no spectra.
     error = -share * line.terms * ROUNDING
     inside = np.ones(len(line.degrees), dtype=bool)
     rest = np.arange(len(inside))
     if isinstance(line, Along):
         sure, rest = _parted(line, bound, t)
         line = line if not len(sure) else line.taken(rest)
-    size = max(TILE, TILE * NARROW // max(1, len(bound.upper)))
+
+    # Compare the others with bounds moved outwards by their rounding.
+    size = max(PIXELS_AT_ONCE, PIXELS_AT_ONCE * FEW_SLABS // max(1, len(bound.upper)))
     for start in range(0, len(rest), size):
         rows = slice(start, start + size)
         lower, upper = _moved(bound.lower, bound.upper, error, error * line.size(t, rows))
@@ -77,8 +80,8 @@ def certified(final: Along, line: Along, bound: Bound) -> Bool[np.ndarray, " pix
     """
     error = final.terms * ROUNDING
     inside = np.empty(len(final.degrees), dtype=bool)
-    for start in range(0, len(inside), TILE):
-        rows = slice(start, start + TILE)
+    for start in range(0, len(inside), PIXELS_AT_ONCE):
+        rows = slice(start, start + PIXELS_AT_ONCE)
         size = final.size(1.0, rows)
         sure = _moved(bound.lower, bound.upper, error, error * size)
         perhaps = _moved(bound.lower, bound.upper, -error, -error * size)
@@ -98,10 +101,14 @@ def _parted(line: Along, bound: Bound, top: Number) -> tuple[Rows, Rows]:
 
 
 def _tile(line: Along, rows: slice, bound: Bound, within: Range, inward: int) -> Spans:
+    """The intervals of some of the rows."""
+    # Bound the magnitudes that rounding is a share of.
     c, curved, rounding = line.coefficients(rows), line.degrees[rows] > 1, line.terms * ROUNDING
     size = np.broadcast_to(line.size(_reached(line, c, bound, within[1]), rows), (len(curved), 1))
     # In Bernstein's form differences are rounded, too.
     differences = np.abs(c).max(axis=(0, 2), initial=0)[:, None] / line.terms if line.form == "bernstein" else 0.0
+
+    # Rows of about the same size have their bounds moved by as much.
     parts = []
     for group, largest in alike(size + differences, bound):
         moved = _moved(bound.lower, bound.upper, inward * rounding, inward * rounding * largest)
@@ -124,7 +131,7 @@ def _reached(line: Along, c: Powers, bound: Bound, top: Number) -> float | Float
 def _group(
     curved: Bool[np.ndarray, " pixel"], line: Along, c: Powers, bounds: tuple[Slabs, Slabs], within: Range
 ) -> Spans:
-    """Pixels whose bounds are moved by as much."""
+    """The intervals of pixels whose bounds are moved by the same amounts: affine ones, and curved ones."""
     if not curved.any():
         return _affine(line, c, bounds, within)
     straight, bent = _affine(line, c[:, ~curved], bounds, within), _curved(line, c[:, curved], bounds, within)
@@ -143,7 +150,7 @@ def _ordered(parts: Sequence[Spans]) -> Spans:
 
 
 def _eased(line: Along, c: Powers, wide: tuple[Slabs, Slabs], moved: tuple[Slabs, Slabs]) -> Powers:
-    """A slab that t does not move is not asked to keep away from its bounds: what is inside is put where it passes."""
+    """The coefficients, moved inside the narrowed bounds where t does not move a slab and it is inside."""
     still = ~(c[1:] != (0.0 if line.form == "power" else c[0])).any(axis=0)
     if not still.any():
         return c

@@ -1,10 +1,10 @@
-"""What a gamut asks of an image's radiances: step 5 of the paper, between pixels and gamuts.
+"""The bounds of a gamut on an image's radiances: step 5 of the paper, between pixels and gamuts.
 
 Pixels are radiances and gamuts are reflectances, ``r = e · p / w``: w(λ) is the radiance of the reference white, taken
 once from the palette given and then kept, so that a light's scale does change r; e is the exposure.  Two kinds of
-bounds follow.  *Upper* ones hold for every pixel: bounds of each band, or both sides of what a monitor or the solid of
-a printer's colours asks of several bands.  *Dark* ones, if the gamut keeps black, count only for pixels that are above
-black with the palette given, because no parameter lifts the shadows that every picture has.
+bounds follow.  *Upper* ones hold for every pixel: bounds of each band, or both sides of the slabs of several bands
+that bound a monitor or the solid of a printer's colours.  *Dark* ones, if the gamut keeps black, count only for pixels
+that are above black with the palette given, because no parameter lifts the shadows that every picture has.
 """
 
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ class Limits:
     dark
         The lower bounds, None where black is clipped.
     luminance
-        What gives a radiance's luminance, of the reference white's 1.
+        The weights of a radiance's luminance, of the reference white's 1.
     blackest
         The luminance of the device's black.
     masked
@@ -74,12 +74,12 @@ class Limits:
 
     @property
     def slow(self) -> bool:
-        """Whether some part of the gamut is no intersection of slabs, so that pixels are asked about one by one."""
+        """True if some part of the gamut is no intersection of slabs, so that pixels are asked about one by one."""
         return any(solid.bound is None for solid in self.solids)
 
     @property
     def note(self) -> str:
-        """Gamut, reference, exposure, and what is modelled or left out, in words."""
+        """Gamut, reference and exposure, and anything modelled or left out, in words."""
         labels = [label for label, hidden in zip(self.bands.labels, self.masked, strict=True) if hidden]
         masked = f"; not lit and left out: {', '.join(labels)}" if labels else ""
         cut = f"; the depth limit left out at most {self.cut_off:.2g} of a pixel" if self.cut_off else ""
@@ -134,12 +134,15 @@ def limits(
     >>> asked.upper.matrix[0, 0].item(), asked.reference
     (0.25, 'reference sun, exposure 0.5')
     """
+    # Refuse spectra on other bands.
     check_kinds(system, palette, gamut)
     if palette.bands != gamut.bands:
         raise ValueError(
             f"the palette is in {palette.bands!r}, {gamut.name} in {gamut.bands!r}: use palette.on(gamut.bands), or "
             "load_device(name, palette.bands)"
         )
+
+    # See the gamut against the white, whose dark bands say nothing about reflectance.
     reference = as_asked(reference)
     white = reference.white(system, palette)
     visible = white >= INVISIBLE * white.max()
@@ -148,6 +151,8 @@ def limits(
     weights = weights / weights.sum()
     shown = np.zeros(len(white))
     shown[visible] = reference.exposure / white[visible]
+
+    # Slabs of all flat parts are asked together, solids one by one.
     parts = _parts(under)
     flat = [part.slabs for part in parts if isinstance(part, SlabGamut) and not _has_own_black(part)]
     slabs = stacked(flat, len(white))
@@ -168,7 +173,7 @@ def limits(
 def rising_limits(
     system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut, reference: Reference | None = None
 ) -> Limits:
-    """The same for what needs bounds that a pixel meets once, as it gets lighter.
+    """As `limits`, but refuse gamuts in which more light can bring a pixel back inside.
 
     Raises
     ------
@@ -220,7 +225,7 @@ def white_in_every_band(
 
 
 def reflectances(system: LinearSystem, palette: Palette, white: Spectrum, pixels: Pixels) -> PixelBands:
-    """What some of the pixels are, seen against a white.
+    """Reflectances of some of the pixels, seen against a white.
 
     Examples
     --------
@@ -240,7 +245,7 @@ def _parts(gamut: ConvexGamut | UnevenGamut) -> list[ConvexGamut | UnevenGamut]:
 
 
 def _has_own_black(gamut: ConvexGamut | UnevenGamut) -> bool:
-    """Whether its dark end is that of prints, and not bounds band by band or a monitor's."""
+    """True if its dark end is that of prints, and not bounds band by band or a monitor's."""
     return bool(gamut.devices) and not isinstance(gamut, Gamut)
 
 

@@ -1,4 +1,4 @@
-"""What every pixel does along a parameter of either kind: step 5 of the paper, polynomials or mixtures of paints."""
+"""Every pixel along a parameter of either kind: step 5 of the paper, polynomials or mixtures of paints."""
 
 from symrt.feedback.along import Along, along
 from symrt.feedback.paints import Paints, paints

@@ -1,4 +1,4 @@
-"""How two spectra mix in a blend: along a straight line, or as Kubelka and Munk's paints (step 5 of the paper).
+"""Mixtures of two spectra in a blend: along a straight line, or as Kubelka and Munk's paints (step 5 of the paper).
 
 Of an opaque layer the ratio of absorption to scattering, ``q = K/S = (1 − r)² / 2r``, is what mixes linearly [1]_:
 
@@ -110,7 +110,7 @@ def slopes(
 
 
 def check_paints(first: Spectrum, last: Spectrum, name: str = "the mixture") -> None:
-    """Refuse what the theory has no mixture of."""
+    """Refuse pairs of paints that the theory has no mixture of."""
     if (first > 1).any() or (last > 1).any():
         raise ValueError(
             f"{name}: a paint reflects more than it receives; Kubelka and Munk's theory ends at 1; mix 'linear'"
@@ -123,5 +123,5 @@ def check_paints(first: Spectrum, last: Spectrum, name: str = "the mixture") -> 
 
 
 def _finite(q: Values) -> Values:
-    """A paint of reflectance 0 is only ever mixed with another of reflectance 0."""
+    """K/S with 0 for infinity: a paint of reflectance 0 is only ever mixed with another of reflectance 0."""
     return np.where(np.isfinite(q), q, 0.0)

@@ -18,13 +18,15 @@ from symrt.feedback.along import along_ends
 from symrt.feedback.bounds import Bound, Sizes, alike
 from symrt.feedback.mixing import absorption, painted
 from symrt.feedback.parameters import Ends
-from symrt.feedback.polynomials import HALVINGS, ROUNDING, Spans, joined, placed
+from symrt.feedback.polynomials import HALVINGS, joined, placed
+from symrt.gamut.interface import ROUNDING
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
-TILE = 2048
-"""Pixels looked at together."""
+PIXELS_AT_ONCE = 2048
+"""Pixels shaded and clipped at a time: their spectra stay in cache."""
 ROUNDED = 16
 """Roundings that a mixture r(t) amounts to, of q_a, q_b, their sum, and r, which is less sensitive than q."""
 
@@ -46,15 +48,15 @@ class Paints:
     fixed
         For each interaction the product of its spectra that do not change.
     powers
-        How often each mixture occurs in it.
+        Number of times that each mixture occurs in it.
     first, last
         Each mixture at t = 0 and at t = 1.
     matrix
-        What the pixels are seen through.
+        The weights through which the pixels are seen.
     degrees
         The most mixtures in one interaction of each pixel.
     terms
-        What bounds the rounding of a pixel: numbers added and multiplied.
+        Numbers added and multiplied for a pixel, which bound its rounding.
     """
 
     G: sparse.csr_array
@@ -73,7 +75,7 @@ class Paints:
 
     @property
     def signed(self) -> bool:
-        """Whether something is subtracted, so that sums may be smaller than what they are made of."""
+        """True if something is subtracted, so that sums may be smaller than their terms."""
         return bool((self.G.data < 0).any() or (self.matrix < 0).any())
 
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Pixels) -> "Paints":
@@ -125,6 +127,8 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
     """
     # As polynomials the pixels have other values between the ends, but the same degrees and as many terms.
     line = along_ends(system, palette, ends)
+
+    # Part the spectra of each interaction into fixed ones, multiplied, and mixtures, counted.
     moving = [name for name, (first, last) in ends.items() if (first != last).any()]
     names = [(i.light, *i.met) for i in system.interactions]
     bands = len(palette.bands)
@@ -149,18 +153,21 @@ def painted_intervals(line: Paints, bound: Bound, within: tuple[Number, Number])
 
     Rows that no value keeps inside do not occur in the result.
     """
+    # Rows of about the same size have their bounds moved by as much.
     tiles = [Spans(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))]
-    for start in range(0, len(line.degrees), TILE):
-        rows = np.arange(start, min(start + TILE, len(line.degrees)))
+    for start in range(0, len(line.degrees), PIXELS_AT_ONCE):
+        rows = np.arange(start, min(start + PIXELS_AT_ONCE, len(line.degrees)))
         size = np.broadcast_to(_rows(line, rows).size(1.0, slice(None)), (len(rows), 1))
         for group, most in alike(size, bound):
             tile, room = _rows(line, rows[group]), _room(line, bound, most)
+            # Solve the rows that allow it, and halve the range for the others.
             solved, rest = _solved(tile, room, within)
             halved = _halved(_rows(tile, rest), room, within)
             tiles += [
                 solved._replace(pixel=rows[group[solved.pixel]]),
                 halved._replace(pixel=rows[group[rest[halved.pixel]]]),
             ]
+
     pixel, low, high = (np.concatenate(column) for column in zip(*tiles, strict=True))
     order = np.lexsort((low, pixel))
     return Spans(pixel[order], low[order], high[order])
@@ -208,15 +215,20 @@ def _roots(
     line: Paints, mixture: int, room: _Room, within: tuple[Number, Number]
 ) -> tuple[Values, Values, Bool[np.ndarray, " row"]]:
     """One interval for each row, and whether both its ends are certainly inside; empty ones are low > high."""
+    # Part each row into a constant and a multiple of the mixture, band by band.
     order = line.powers.sum(axis=1)
     still, moving = (line.G[:, order == k] @ (line.fixed[order == k] @ line.matrix) for k in (0, 1))
     band = line.matrix.argmax(axis=0)
     r0, r1 = line.first[mixture], line.last[mixture]
     a, b = r0[band], r1[band]
+
+    # Slabs that do not change allow all of the range, or none.
     fixed = (moving == 0) | (a == b)
     inside = _between(still + moving * a, room.perhaps)
     low, high = np.full(len(still), float(within[0])), np.full(len(still), float(within[1]))
     high[(fixed & ~inside).any(axis=1)] = -np.inf
+
+    # Solve for the t at which each slab meets its bound.
     with np.errstate(divide="ignore", invalid="ignore"):
         # A lower bound on a mixture that darkens ends its interval above, as an upper one on one that lightens.
         for limit, sign in zip(room.aim, (-1, 1), strict=True):
@@ -230,6 +242,8 @@ def _roots(
             high = np.minimum(high, np.where(some & above, t, np.inf).min(axis=1, initial=np.inf))
             low = np.maximum(low, np.where(some & ~above, t, -np.inf).max(axis=1, initial=-np.inf))
             high[never.any(axis=1)] = -np.inf
+
+    # Evaluate the ends once more: only those that are certainly inside are known.
     known = np.ones(len(low), dtype=bool)
     for t in (low, high):
         values = still + moving * painted(r0, r1, np.where(low <= high, t, 0.0))[:, band]
@@ -245,13 +259,17 @@ def _halved(line: Paints, room: _Room, within: tuple[Number, Number]) -> Spans:
     # What does not change with t is not asked to keep away from its bounds.
     least, largest = _image(line, pixel, np.full(len(pixel), low), np.full(len(pixel), high))
     still = (least == largest) & _between(least, room.perhaps)
+
     for level in range(HALVINGS + 1):
+        # Enclose each piece between two images, and judge it by them.
         width = 0.5**level
         least, largest = _image(line, pixel, placed(start, low, high), placed(start + width, low, high))
         passes = _between(least, room.aim) & _between(largest, room.aim)
         inside = (passes | still[pixel]).all(axis=1)
         outside = (((least > room.aim[1]) | (largest < room.aim[0])) & ~still[pixel]).any(axis=1)
         found.append((pixel[inside], start[inside], start[inside] + width))
+
+        # Halve the pieces that are neither.
         open_ = ~(inside | outside)
         if not open_.any():
             break
@@ -260,12 +278,15 @@ def _halved(line: Paints, room: _Room, within: tuple[Number, Number]) -> Spans:
 
 
 def _image(line: Paints, pixel: Pixels, low: Values, high: Values) -> tuple[Slabs, Slabs]:
-    """Bounds of what some pixels are while t is between `low` and `high`, which `low` determines."""
+    """Bounds on some pixels while t is between `low` and `high`, which `low` determines."""
+    # Each product lies between those of the least and of the largest mixtures.
     _, first, which = np.unique(low, return_index=True, return_inverse=True)
     ends = [painted(line.first, line.last, t[first]) for t in (low, high)]
     dark, light = (line.products(choose(*ends)) for choose in (np.minimum, np.maximum))
     plus, minus = np.maximum(line.matrix, 0), np.minimum(line.matrix, 0)
     least, largest = dark @ plus + light @ minus, light @ plus + dark @ minus
+
+    # Negative coefficients take the other side.
     rows = line.G[pixel]
     # One row a piece, one column an interaction over one of the pieces of the range.
     column = np.repeat(which, np.diff(rows.indptr)) * line.G.shape[1] + rows.indices

@@ -1,7 +1,7 @@
 """Parameters of the feedback: step 5 of the paper.
 
 A parameter is one number ``t`` that moves some of a palette's spectra along straight lines: a scale from nothing
-(t = 0) to what the palette gives (t = 1) and beyond, a blend from one material (t = 0) to another (t = 1).
+(t = 0) to the palette's own spectra (t = 1) and beyond, a blend from one material (t = 0) to another (t = 1).
 """
 
 from collections.abc import Collection, Mapping
@@ -93,12 +93,12 @@ def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> 
 
 
 def mixing_of(parameter: Parameter) -> Mixing:
-    """How the spectra at t = 0 and t = 1 of what a parameter moves are joined."""
+    """The mixing law between the spectra that a parameter moves, at t = 0 and at t = 1."""
     return "kubelka-munk" if isinstance(parameter, Blend) and parameter.mixing == "kubelka-munk" else "linear"
 
 
 def ends_owners(ends: Collection[str], parameter: Parameter) -> dict[str, tuple[str, str]]:
-    """For each symbol that the parameter moves, whose spectra it has at t = 0 and t = 1.
+    """For each symbol that the parameter moves, the symbols whose spectra it has at t = 0 and t = 1.
 
     Examples
     --------
@@ -128,9 +128,11 @@ def scaled_symbols(system: LinearSystem, palette: Palette, parameter: Scale) -> 
 
 
 def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[str, Ends]:
-    """Component by component on the material's own geometry, or with the other's columns where those were traced."""
+    """The ends of a blend, component by component, on the material's own geometry or the other's traced columns."""
     if blend.material == blend.other:
         raise ValueError(f"a blend of {blend.material} with itself changes nothing: name two materials")
+
+    # With columns of its own the other material comes from nothing, and the material goes to nothing.
     own, other = (_components(system, palette, name) for name in (blend.material, blend.other))
     nothing = np.zeros(len(palette.bands))
     added = Surface(blend.other, instead_of=blend.material)
@@ -140,6 +142,8 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
         return {named(blend.material, c): (palette[named(blend.material, c)], nothing) for c in own} | {
             named(str(added), c): (nothing, palette[named(blend.other, c)]) for c in other
         }
+
+    # On the same columns both must have the same components and the same model.
     models = [system.models.get(name, "no model on record") for name in (blend.material, blend.other)]
     if own != other or models[0] != models[1]:
         described = " and ".join(
@@ -152,6 +156,7 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
             f"{described} differ in more than their spectra: trace(scene, alternatives="
             f'{{"{blend.material}": ["{blend.other}"]}}) adds the columns that the blend needs'
         )
+
     ends = {named(blend.material, c): (palette[named(blend.material, c)], palette[named(blend.other, c)]) for c in own}
     if paints:
         for name, (first, last) in ends.items():

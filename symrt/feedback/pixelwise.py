@@ -33,7 +33,7 @@ REACH = 3
 """Standard deviations after which a Gaussian is cut off."""
 PULLS = 2.0 ** np.arange(-46, -9, 4)
 """Parts of the way to the gamut's centre, one after another, that rounding may ask for; the first is always taken."""
-CHUNK = 256
+MOVED_AT_ONCE = 256
 """Pixels outside that are moved at a time."""
 
 
@@ -46,7 +46,7 @@ class Mapped:
     image
         The new radiances.
     share
-        Of the object pixels, how many moved.
+        Share of the object pixels that moved.
     moved
         Root mean square change of reflectance in each pixel, (height, width).
     note
@@ -88,8 +88,8 @@ def map_pixels(
         Standard deviation, in pixels, over which the amount of movement is evened out; pixels inside then move a
         little too.  The convexity of the gamut keeps everything inside.  Not for ``"nearest"``.
     progress
-        Whether a bar shows how far it is, if it takes more than a second: a hull, or inks, take some milliseconds for
-        each pixel outside.
+        True to show a bar, if it takes more than a second: a hull, or inks, take some milliseconds for each pixel
+        outside.
 
     Raises
     ------
@@ -107,6 +107,7 @@ def map_pixels(
     >>> map_pixels(system, palette, device_gamut(device, "envelope")).image.values[0, :, 20].round(3)
     array([0.475, 0.9  ])
     """
+    # Refuse options that do not fit together.
     start = time.perf_counter()
     check_kinds(system, palette, gamut)
     if towards not in get_args(Target):
@@ -115,12 +116,16 @@ def map_pixels(
         raise ValueError("smoothness: the nearest points have no common amount of movement; choose neutral or centre")
     if not 0 <= smoothness < max(system.height, system.width):
         raise ValueError(f"smoothness = {smoothness}: it must be from 0 to the size of the image, in pixels")
+
+    # Shade, and find the pixels outside.
     reference = as_asked(reference)
     white = white_in_every_band(system, palette, reference, [gamut])
     gamut = gamut.under(white)
     image = shade(system, palette)
     seen = image.values.reshape(-1, len(white))[system.object_pixels] / white
     outside = ~gamut.contains(seen)
+
+    # Move them.
     moved = seen.copy()
     if towards == "nearest":
         moved[outside] = _nearest(gamut, seen[outside], progress)
@@ -128,9 +133,12 @@ def map_pixels(
         raise ValueError(f"{gamut.name}: not convex, so that a line may leave it and return; choose towards='nearest'")
     else:
         moved = _towards(system, gamut, seen, outside, towards, float(smoothness), progress)
+
+    # Turn reflectances back into radiances that are inside for sure; pixels that did not move keep their bits.
     changed = (moved != seen).any(axis=1)
     values = image.values.reshape(-1, len(white)).copy()
     values[np.flatnonzero(system.object_pixels)[changed]] = _landed(gamut, moved[changed] * white, white)
+
     change = np.zeros(values.shape[0])
     change[system.object_pixels] = np.sqrt(np.mean((moved - seen) ** 2, axis=1))
     return Mapped(
@@ -156,10 +164,14 @@ def _towards(
     smoothness: float,
     progress: bool,
 ) -> Reflectances:
+    """Every pixel, moved along the line from its grey as far as the gamut, and the smoothness, allow."""
+    # Choose a grey inside the gamut for each pixel.
     low, high = _greys(gamut, seen.shape[1])
     grey = np.full(len(seen), (low + high) / 2) if towards == "centre" else np.clip(seen.mean(axis=1), low, high)
     origin = np.repeat(grey[:, None], seen.shape[1], axis=1)
     direction = seen - origin
+
+    # Clip the lines of the pixels outside, in chunks.
     reach, rows = np.ones(len(seen)), np.flatnonzero(outside)
     for part in _chunks(len(rows), progress):
         reach[rows[part]] = _reach(gamut, origin[rows[part]], direction[rows[part]])
@@ -169,7 +181,7 @@ def _towards(
 
 
 def _reach(gamut: ConvexGamut, origin: Reflectances, direction: Reflectances) -> Float[np.ndarray, " pixel"]:
-    """How far from a grey inside towards each spectrum, at most 1."""
+    """The largest part of the way from a grey inside to each spectrum that is inside, at most 1."""
     if isinstance(gamut, HullGamut):
         return gamut.reach(origin, direction)
     return np.clip(clip(gamut, origin, direction).high, 0.0, 1.0)
@@ -196,9 +208,9 @@ def _neutral(bands: int) -> tuple[Reflectances, Reflectances]:
 
 
 def _chunks(count: int, progress: bool) -> Iterator[slice]:
-    starts = range(0, count, CHUNK)
+    starts = range(0, count, MOVED_AT_ONCE)
     for start in tqdm(starts, desc="map pixels", unit="chunk", delay=1, leave=False, disable=not progress):
-        yield slice(start, start + CHUNK)
+        yield slice(start, start + MOVED_AT_ONCE)
 
 
 def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
@@ -210,7 +222,7 @@ def _greys(gamut: ConvexGamut, bands: int) -> tuple[float, float]:
 
 
 def _evened(system: LinearSystem, reach: Float[np.ndarray, " pixel"], smoothness: float) -> Float[np.ndarray, " pixel"]:
-    """How far each pixel keeps towards its own colour, smooth and nowhere more than before."""
+    """The part of the way that each pixel keeps towards its own colour, smooth and nowhere more than before."""
     picture = np.ones(system.height * system.width)
     picture[system.object_pixels] = reach
     radius = int(REACH * smoothness + 0.5)

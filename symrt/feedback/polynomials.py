@@ -1,4 +1,4 @@
-"""Where polynomials stay between bounds, certified: step 5 of the paper for a degree above 1.
+"""Intervals on which polynomials stay between bounds, certified: step 5 of the paper for a degree above 1.
 
 Two cases.  A *posynomial* Σ t^k q_k with q_k ≥ 0 rises and is convex for t ≥ 0, so that Newton's method started above a
 root falls to it and never below.  It aims a few roundings inwards, and what it finds is evaluated once more.  Any other
@@ -12,18 +12,18 @@ References
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from symrt.gamut.interface import ROUNDING
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 
-ROUNDING = 2.0**-53
-MOST_STEPS = 200
+NEWTON_STEPS = 200
 """Newton's steps at most; from far above, each multiplies t by 1 − 1/D or less."""
-NEARLY = 1e-12
-"""What a root of a single term is raised by, to be above whatever its rounding."""
+RAISED = 1e-12
+"""Share by which a root of a single term is raised, to be above whatever its rounding."""
 HALVINGS = 36
 """Pieces of the range narrower than 2⁻³⁶ of it that are still undecided count as outside."""
 
@@ -31,14 +31,6 @@ Powers = Float[np.ndarray, "power pixel slab"]
 Bounds = Float[np.ndarray, " slab"]
 Values = Float[np.ndarray, " pixel"]
 Slabs = Float[np.ndarray, "pixel slab"]
-
-
-class Spans(NamedTuple):
-    """Closed intervals of t, any number for each pixel, in the order of pixels and of t."""
-
-    pixel: Int[np.ndarray, " span"]
-    low: Float[np.ndarray, " span"]
-    high: Float[np.ndarray, " span"]
 
 
 def highest(q: Powers, upper: Bounds, top: Number) -> Values:
@@ -101,6 +93,8 @@ def spans_inside(
         inside = ((least >= lower + slack) & (largest <= upper - slack)).all(axis=1)
         # Of what lies all within the slack of a bound, no part will ever be certain: it is not halved further.
         outside = ((least > upper - slack) | (largest < lower + slack)).any(axis=1)
+
+        # Keep the pieces inside, and halve those that are open.
         width = 0.5**level
         found.append((pixel[inside], start[inside], start[inside] + width))
         open_ = ~(inside | outside)
@@ -113,20 +107,20 @@ def spans_inside(
 
 
 def _rested(b: Powers, lower: Bounds, upper: Bounds, room: float) -> Powers:
-    """What does not change with t, and is inside, is put where slack does not matter: it may lie on a bound."""
+    """The coefficients, moved off the bounds by the slack where they do not change with t and are inside."""
     still = (b == b[0]).all(axis=0) & (lower <= b[0]) & (b[0] <= upper)
     return np.where(still, np.clip(b[0], lower + room, upper - room), b) if still.any() else b
 
 
 def _above(q: Powers, aim: Slabs, top: Number, choose: Callable[..., Values], ignored: float) -> Values:
-    """Where Newton's method may start: no root is above, and none far below, as no single term passes the aim there.
+    """A start for Newton's method: no root is above, and none far below, as no single term passes the aim there.
 
     From `top` it might take more steps than it has, because each goes only a share of the way down.
     """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         room = np.maximum(aim - q[0], 0.0)
         alone = [np.where(part > 0, (room / part) ** (1 / k), np.inf) for k, part in enumerate(q[1:], start=1)]
-    first = np.min(alone, axis=0) * (1 + NEARLY)
+    first = np.min(alone, axis=0) * (1 + RAISED)
     return np.minimum(choose(np.where(q[1:].any(axis=0), first, ignored), axis=1), float(top))
 
 
@@ -136,13 +130,16 @@ def _newton(q: Powers, aim: Slabs, start: Values, choose: Callable[..., Values],
     The tangent at t meets the aim at ``(aim − q_0 + Σ (k − 1) q_k t^k) / Σ k q_k t^(k−1)``; written so, nothing but
     aim − q_0 cancels.  A tangent to a convex function lies below it: no root is passed.
     """
+    # Rows that no longer fall have arrived; the others take one more step.
     t = np.maximum(start, 0.0)
     active = np.arange(len(t))
-    for _ in range(MOST_STEPS):
+    for _ in range(NEWTON_STEPS):
         slope, bend = _derivatives(q[:, active], t[active])
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             met = np.where(slope > 0, (aim[active] - q[0, active] + bend) / slope, ignored)
         fallen = np.clip(choose(met, axis=1), 0.0, t[active])
+
+        # A fall within rounding is none.
         moving = fallen < t[active] * (1 - 2 * ROUNDING)
         t[active] = fallen
         active = active[moving]
@@ -195,7 +192,7 @@ def _between(b: Powers, low: float, high: float) -> Powers:
 
 
 def joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]], within: tuple[Number, Number]) -> Spans:
-    """Pieces that touch, made one, and brought from [0, 1] to the range."""
+    """The pieces, with those that touch made one, brought from [0, 1] to the range."""
     pixel, start, end = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.lexsort((start, pixel))
     pixel, start, end = pixel[order], start[order], end[order]
@@ -206,5 +203,5 @@ def joined(found: list[tuple[np.ndarray, np.ndarray, np.ndarray]], within: tuple
 
 
 def placed(share: Values, low: float, high: float) -> Values:
-    """Ends of the range stay what they are to the last bit."""
+    """Places in the range from places in [0, 1]; the ends of the range stay as they are to the last bit."""
     return np.where(share == 1, high, low + share * (high - low))

@@ -1,4 +1,4 @@
-"""Which values of a parameter keep an image inside a gamut: step 5 of the paper.
+"""The values of a parameter that keep an image inside a gamut: step 5 of the paper.
 
 Each pixel allows a parameter ``t`` some closed intervals; the image's range is what all its pixels have in common, or
 all but a share.  A pixel is *untouched* by the parameter (and is inside or outside whatever t), *fixable*, or
@@ -20,13 +20,13 @@ from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.limits import Limits, limits
 from symrt.feedback.lines import Line, line_of
 from symrt.feedback.parameters import Blend, Exposure, Parameter, Scale, moved, moved_ends
-from symrt.feedback.polynomials import Spans
 from symrt.feedback.reasons import Feasible, Reason
 from symrt.feedback.sensitivity import LESS, Sensitivity, sensitivities
 from symrt.feedback.shares import Curve, End, Kind, Piece, curve, pieces, shared, tightest
 from symrt.feedback.weighing import Weighed, weighed
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
@@ -54,7 +54,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     most: int = ASKED,
     progress: bool = True,
 ) -> Feasible:
-    """The values of a parameter that keep the image inside a gamut, and what stops it beyond them.
+    """The values of a parameter that keep the image inside a gamut, and the reasons that stop it beyond them.
 
     Parameters
     ----------
@@ -69,16 +69,16 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     reference
         The white and the exposure that make reflectances of radiances.
     cap
-        Whether a material's components may together reflect no more than 1 in any band.
+        True to keep a material's components from reflecting more than 1 together in any band.
     weights
-        What each pixel counts in every share, finite and not negative; 0 leaves it out, and without weights all count
-        the same.
+        The weight of each pixel in every share, finite and not negative; 0 leaves it out, and without weights all
+        count the same.
     mask
         The pixels that are asked about, such as `pixels_of` an object; all if not given.
     most
         Pixels that a hull, or inks, are asked about, which must be asked one by one; the note says which.
     progress
-        Whether a bar shows how far that is, if it takes more than a second.
+        True to show a bar meanwhile, if it takes more than a second.
 
     Raises
     ------
@@ -101,22 +101,29 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     Against unit gamut (0 … 1), black clipped (necessary for a print of any printer; dye-sublimation-like, modelled
     from the dyes of Kodak Professional Endura Premier paper); reference sun, exposure 1.
     """
+    # Put the question together, and refuse parts that do not fit.
     start = time.perf_counter()
     within = checked_range(parameter, within)
     check_share(allowed_out, "allowed_out")
     check_share(allowed_dark, "allowed_dark")
     asked = limits(system, palette, gamut, reference)
     line = line_of(system, palette, parameter)
+
+    # Ask every pixel for its intervals.
     now = 0.0 if isinstance(parameter, Blend) else 1.0
     everyone = weighed(system, weights, mask)
     counted = drawn(line, asked, everyone, now, most, extremes=not allowed_out)
     image = _image(line, asked, counted, within, progress)
+
+    # Intersect the values that upper bounds, black and the cap allow.
     budget = counted.allowance(allowed_out, counted.pixels) - counted.sum(image.outside) - counted.sum(image.unfixable)
     constraints = [_upper(image, within, budget), *_dark(line, asked, image, within, allowed_dark, now)]
     symbols = moved_ends(system, palette, parameter).keys()
     capped = physical_cap(palette, symbols) if cap and not isinstance(parameter, Blend) else UNLIMITED
     constraints.append(_alone(Piece(0.0, capped.value, End("range"), End("cap"))))
     found = reduce(shared, [constraint.pieces for constraint in constraints])
+
+    # Keep the question, to tell the reasons and to ask it again.
     stops = _Stops(system, palette, parameter, asked, line, capped)
     kept = (reference or Reference()).kept(system, palette)
     options: dict[str, Any] = {
@@ -162,7 +169,7 @@ def _again(
 
 
 class _Stops(NamedTuple):
-    """What stops a parameter where its intervals end."""
+    """A question, to tell the reasons at the ends of its intervals."""
 
     system: LinearSystem
     palette: Palette
@@ -172,11 +179,11 @@ class _Stops(NamedTuple):
     capped: Cap
 
     def why(self, end: End, t: float) -> Reason:
-        """The pixel, wavelength and side, or what else it is."""
+        """The reason at an end: pixel, wavelength and side, or the cap, or the range."""
         return reason(self.line, self.asked, end, t, self.system.width, self.capped)
 
     def moves(self, end: End, t: float) -> tuple[Sensitivity, ...]:
-        """How each other parameter would move that end; none does where no pixel stops it."""
+        """The sensitivity of an end to each other parameter; none where no pixel stops it."""
         if end.pixel < 0:
             return ()
         weights = met(self.line, self.asked, end, t, self.system.width).weights
@@ -184,7 +191,7 @@ class _Stops(NamedTuple):
 
 
 class _Image(NamedTuple):
-    """What each pixel asked about allows, and those that the parameter cannot help."""
+    """The intervals of each pixel asked about, and the pixels that the parameter cannot help."""
 
     counted: Weighed
     touched: Pixels
@@ -272,7 +279,7 @@ def _conflict(constraints: list[_Constraint], stops: _Stops) -> tuple[tuple[floa
 
 
 def reason(line: Line, asked: Limits, end: End, t: float, width: int, capped: Cap = UNLIMITED) -> Reason:
-    """What ends an interval at t: for a pixel, the bound that its spectrum meets most nearly there."""
+    """The reason that ends an interval at t: for a pixel, the bound that its spectrum meets most nearly there."""
     if end.kind == "range":
         return Reason("range")
     if end.kind == "cap":
@@ -291,6 +298,6 @@ def checked_range(parameter: Parameter, within: Range | None) -> tuple[float, fl
 
 
 def check_share(value: Number, name: str) -> None:
-    """Refuse what is no share of pixels."""
+    """Refuse numbers that are no share of pixels."""
     if not 0 <= value <= 1:
         raise ValueError(f"{name} = {value}: it is a share of pixels, from 0 to 1; for 5 % give 0.05")

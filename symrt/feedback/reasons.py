@@ -1,4 +1,4 @@
-"""What the feedback answers, in words: which values of a parameter keep an image inside a gamut, and why no others."""
+"""The answer of `feasible`, in words: the values of a parameter that keep an image inside, and why no others."""
 
 import html
 from collections.abc import Callable, Iterable, Sequence
@@ -20,7 +20,7 @@ Side = Literal["upper", "lower", "luminance", "range", "cap", "objective"]
 
 @dataclass(frozen=True)
 class Reason:
-    """What stops a parameter at a value.
+    """The reason that stops a parameter at a value.
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ class Reason:
     band
         The band, as ``"560 nm"``.
     extrapolated
-        Whether the device was not measured in that band.
+        True if the device was not measured in that band.
     symbol
-        What would pass 1, for a cap.
+        The material or symbol that would pass 1, for a cap.
     of
-        What is bounded, where it is no single band: ``"the monitor's red"``.
+        The quantity bounded, where it is no single band: ``"the monitor's red"``.
     """
 
     side: Side
@@ -86,23 +86,23 @@ class Feasible:
     Parameters
     ----------
     parameter
-        What was asked about.
+        The parameter asked about.
     within
         The range asked about.
     intervals
         The values found, as closed intervals; none if there are none.
     reasons
-        For each interval, what stops it below and above.
+        For each interval, the reasons that stop it below and above.
     conflict
-        Where there is no value: the least that one bound needs and the most that another allows, and what they are.
+        Where there is no value: the least that one bound needs and the most that another allows, with reasons.
     verdict
         ``"complete"``: with these values at most the share allowed is outside.  ``"rest-only"``: more than that is
         outside whatever the value; the intervals hold for the rest.
     untouched_outside
         Pixels that are outside and do not depend on the parameter.
     unfixable
-        Pixels that depend on it, and that no value in the range certainly brings inside: what rounding cannot tell
-        from outside, because it lies exactly on a bound, is among them.
+        Pixels that depend on it, and that no value in the range certainly brings inside; a pixel exactly on a bound,
+        which rounding cannot tell from outside, is among them.
     dark
         Share of the object pixels that are darker than the device's black with the palette given.
     objects
@@ -112,14 +112,14 @@ class Feasible:
     curve
         Share of the object pixels outside, as a function of the value.
     note
-        Gamut, reference, exposure, and what is modelled or left out.
+        Gamut, reference and exposure, and anything modelled or left out.
     width
         Of the image, to turn pixel numbers into places.
     seconds
         Time it took.
     sensitivities
-        For each interval, how each other light, material and the exposure would move its lower and its upper limit, as
-        long as the same pixel stops it; none where no pixel does.
+        For each interval, the sensitivities of its lower and of its upper limit to each other light, material and the
+        exposure, as long as the same pixel stops it; none where no pixel does.
     again
         The same question with another parameter at 0.99, against the same white; None where that takes long, of hulls
         and inks and what they are intersected with.
@@ -145,7 +145,7 @@ class Feasible:
 
     @cached_property
     def moves(self) -> tuple[tuple[tuple[Move, ...], tuple[Move, ...]], ...]:
-        """For each interval, what happens to its lower and its upper limit with another parameter at 0.99.
+        """For each interval, the moves of its lower and of its upper limit with another parameter at 0.99.
 
         The parameters that may move a limit most are asked about, when this is first looked at; none where no pixel
         stops the limit, or the intervals become more or fewer, or one ends with the range asked about.
@@ -161,6 +161,7 @@ class Feasible:
     ) -> tuple[Move, ...]:
         if self.again is None:
             return ()
+        # Ask again, once for each other parameter.
         moves = []
         for one in found[:SHOWN]:
             if one.parameter not in answers:
@@ -168,6 +169,8 @@ class Feasible:
             answer, before = answers[one.parameter], self.intervals[interval][side]
             if len(answer.intervals) != len(self.intervals) or answer.reasons[interval][side].side == "range":
                 continue
+
+            # A blend moves by a difference, a scale by a ratio, of which there is none at 0.
             after = answer.intervals[interval][side]
             if isinstance(self.parameter, Blend):
                 moves.append(Move(one.parameter, after - before))
@@ -187,7 +190,7 @@ class Feasible:
 
     @property
     def none_inside(self) -> bool:
-        """Whether every pixel asked about is outside whatever the value, so that there is no rest to keep inside."""
+        """True if every pixel asked about is outside whatever the value, so that there is no rest to keep inside."""
         return 0 < self.objects == len(self.untouched_outside) + len(self.unfixable)
 
     def places(self, pixels: Int[np.ndarray, " pixel"]) -> Int[np.ndarray, "pixel 2"]:
@@ -218,6 +221,7 @@ class Feasible:
         return f"The {what} may be {values} to keep {whom} inside ({self.verdict})."
 
     def _reasons(self) -> list[str]:
+        # Without a value, say which two bounds contradict each other.
         if self.conflict is not None:
             (least, needs), (most, allows) = self.conflict
             t, outside = self.curve.least(self.within)
@@ -225,6 +229,8 @@ class Feasible:
                 f"At least {least:.4g} is needed, where {needs}; at most {most:.4g} is allowed, where {allows}.",
                 f"The smallest share outside is {outside:.2%}, at {t:.4g}.",
             ]
+
+        # With values, say what stops each interval, and what would move its limits.
         lines = []
         moves = self.moves or [((), ())] * len(self.intervals)
         for (low, high), (below, above), sides in zip(self.intervals, self.reasons, moves, strict=True):
@@ -238,7 +244,7 @@ class Feasible:
 
 
 def footnote(reasons: Iterable[Reason]) -> list[str]:
-    """What the asterisk of `Reason.short` means, if there is one."""
+    """The meaning of the asterisk of `Reason.short`, if there is one."""
     return [FOOTNOTE] if any(reason.extrapolated for reason in reasons) else []
 
 
@@ -250,7 +256,7 @@ def exceptions(
     objects: int,
     where: str = "",
 ) -> list[str]:
-    """What is not as one would wish, a sentence each; `where` says when pixels are dark, if not always."""
+    """Sentences about pixels and materials that stay outside the rules; `where` says when pixels are dark."""
     counts = ((len(untouched), "outside and untouched"), (len(unfixable), "outside whatever the value"))
     lines = [f"{n} of {objects} object pixels are {what}." for n, what in counts if n]
     if above_one:

@@ -11,19 +11,18 @@ from jaxtyping import Bool
 from scipy import sparse
 
 from symrt.errors import require
-from symrt.feedback.weighing import check_mask
+from symrt.feedback.weighing import Mask, check_mask
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.symbols import NAME, Surface, Symbol
 from symrt.system import Interaction, LinearSystem, Tail
 
-Mask = Bool[np.ndarray, "height width"]
 Named = tuple[Interaction, ...]
 
 
 def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearSystem:
     """The same image, in which `material` is called `name` wherever the mask is true.
 
-    What a mirror shows belongs to the pixel that it is seen in.
+    A reflection in a mirror belongs to the pixel that it is seen in.
 
     Raises
     ------
@@ -37,6 +36,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     >>> [str(interaction) for interaction in parted.interactions], parted.G.toarray().tolist()
     (['sun*bay.diffuse', 'sun*sea.diffuse'], [[0.0, 0.5], [0.25, 0.0]])
     """
+    # Refuse names that are not there, or not free, and masks of another size.
     require("system", system, LinearSystem, "render(scene)")
     require("material", material, str, "the name of a material")
     require("name", name, str, "a new name for the region")
@@ -48,6 +48,8 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     if NAME.fullmatch(name) is None or name in taken:
         raise ValueError(f"{name!r}: a region needs a name of its own: a letter, then letters, digits, underscores")
     check_mask(system, mask, "the mask")
+
+    # Move the region's coefficients to columns of its own; the bound on what was cut off follows.
     matrix, interactions = _parted(system.G, system.interactions, material, mask.ravel(), name)
     tail = system.tail and _parted_tail(system.tail, material, mask.ravel(), name)
     models = dict(system.models)

@@ -1,4 +1,4 @@
-"""One image through several gamuts: who says yes, who says no, and what each yes proves (steps 4 and 5).
+"""One image through several gamuts: which have it inside, and the claim that each of them proves (steps 4 and 5).
 
 The paper argues that an image perfected on a monitor may be wrong for print: a report says, for each printer's gamut,
 how often a monitor would have been content where the printer is not, and the other way round.
@@ -29,35 +29,35 @@ from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, sentences, text_table
 
-ASKED = 2000
+REPORTED = 2000
 """Object pixels that a gamut is asked about, drawn evenly, if the image has more."""
 
 Pixels = Int[np.ndarray, " pixel"]
 Reflectances = Float[np.ndarray, "pixel band"]
-HEAD = ("gamut", "inside", "worst pixel", "by", "worst band")
+VERDICT_COLUMNS = ("gamut", "inside", "worst pixel", "by", "worst band")
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one gamut says about an image.
+    """The verdict of one gamut on an image.
 
     Parameters
     ----------
     gamut, short
-        The gamut in words, and what tables call it.
+        The gamut in words, and its name in tables.
     label
-        What being inside proves.
+        The claim that being inside proves.
     inside
         Share of the pixels asked that are inside.
     worst
         Column and row of the pixel that is farthest outside; None if all are inside.
     violation
-        How far that is, in the gamut's own measure.
+        Its distance from the gamut, in the gamut's own measure.
     delta_e
-        How far that is in CIEDE2000, where colours are asked: to the nearest reflectance of the gamut, under its
-        viewing light, or beside a monitor's white; None where spectra are asked, or RGB.
+        That distance in CIEDE2000, where colours are asked: to the nearest reflectance of the gamut, under its viewing
+        light, or beside a monitor's white; None where spectra are asked, or RGB.
     band
-        Where that pixel and the nearest reflectance of the gamut differ most.
+        The band in which that pixel and the nearest reflectance of the gamut differ most.
     materials
         For each material, the share inside of the pixels that it contributes to.
     contented
@@ -80,12 +80,12 @@ class Verdict:
 
 @dataclass(frozen=True, repr=False)
 class Report:
-    """What several gamuts say about one image.
+    """The verdicts of several gamuts on one image.
 
     Parameters
     ----------
     asked, objects
-        How many pixels were asked about, of how many that light reaches.
+        Number of pixels asked about, and number of pixels that light reaches.
     note
         The reference and the exposure that made reflectances of radiances, and which devices are modelled.
     """
@@ -117,11 +117,11 @@ class Report:
         return ("inside, where seen", *(v.short for v in self.verdicts)), rows
 
     def __repr__(self) -> str:
-        tables = text_table(HEAD, self.rows), text_table(*self.materials)
+        tables = text_table(VERDICT_COLUMNS, self.rows), text_table(*self.materials)
         return "\n".join([tables[0], sentences(self._legend()), "", tables[1], "", sentences(self._sentences())])
 
     def _legend(self) -> list[str]:
-        """What each short name stands for, once."""
+        """The meaning of each short name."""
         return [f"{v.short}: {v.gamut}; inside is {v.label}." for v in self.verdicts]
 
     def _sentences(self) -> list[str]:
@@ -140,7 +140,7 @@ class Report:
         legend, said = (
             "".join(f"<p>{html.escape(line)}</p>" for line in lines) for lines in (self._legend(), self._sentences())
         )
-        return html_table(HEAD, self.rows) + legend + html_table(*self.materials) + said
+        return html_table(VERDICT_COLUMNS, self.rows) + legend + html_table(*self.materials) + said
 
 
 def report(
@@ -149,7 +149,7 @@ def report(
     gamuts: Sequence[ConvexGamut | UnevenGamut],
     reference: Reference | None = None,
     *,
-    most: int = ASKED,
+    most: int = REPORTED,
 ) -> Report:
     """Take one image through several gamuts.
 
@@ -177,6 +177,7 @@ def report(
     >>> [(verdict.inside, verdict.worst) for verdict in said.verdicts]
     [(1.0, None), (0.5, (1, 0))]
     """
+    # Draw the pixels, and shade them.
     check_most(most)
     require_list("gamuts", gamuts, "[device_gamut(device, 'envelope')]")
     reference = as_asked(reference)
@@ -184,10 +185,13 @@ def report(
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
     image = _image(system, palette, pixels, white)
+
+    # Ask each gamut, and compare its answers with those of the monitors.
     answers = [_answer(gamut.under(white), image) for gamut in gamuts]
     monitors = {answer.gamut.name: answer.inside for answer in answers if isinstance(answer.gamut, MonitorGamut)}
     called = _short_names(gamuts)
     verdicts = tuple(_verdict(answer, image, monitors, short) for answer, short in zip(answers, called, strict=True))
+
     note = f"reference {reference.called(system, palette)}, exposure {reference.exposure:g}"
     if titles := dict.fromkeys(d.title for gamut in gamuts for d in gamut.devices if d.modelled):
         note += f"; modelled: {', '.join(titles)}"
@@ -196,7 +200,7 @@ def report(
 
 @dataclass(frozen=True, eq=False)
 class _Image:
-    """The pixels asked about: where they are, their reflectances, and which materials contribute to them."""
+    """The pixels asked about: their places, reflectances, and the materials that contribute to them."""
 
     places: Int[np.ndarray, "pixel 2"]
     seen: Reflectances
@@ -206,7 +210,7 @@ class _Image:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """What a gamut answers for each pixel."""
+    """The answer of a gamut for each pixel."""
 
     gamut: ConvexGamut | UnevenGamut
     inside: Bool[np.ndarray, " pixel"]
@@ -235,13 +239,15 @@ def _answer(gamut: ConvexGamut | UnevenGamut, image: _Image) -> _Answer:
 
 
 def _short_names(gamuts: Sequence[ConvexGamut | UnevenGamut]) -> list[str]:
-    """What tables call the gamuts: each by its model, numbered where there are several of one."""
+    """The names of the gamuts in tables: their models, numbered where there are several of one."""
     models = [gamut.model for gamut in gamuts]
     numbers = [models[: k + 1].count(model) for k, model in enumerate(models)]
     return [name if models.count(name) == 1 else f"{name} {k}" for name, k in zip(models, numbers, strict=True)]
 
 
 def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndarray, " pixel"]], short: str) -> Verdict:
+    """The figures of an answer, compared with those of the monitors."""
+    # Look at the pixel that is farthest outside.
     inside, gamut = answer.inside, answer.gamut
     worst = None if inside.all() else int(answer.violation.argmax())
     band = delta_e = None
@@ -250,6 +256,8 @@ def _verdict(answer: _Answer, image: _Image, monitors: Mapping[str, Bool[np.ndar
         nearest = gamut.nearest(seen)
         band = image.bands.labels[int(np.abs(seen - nearest)[0].argmax())]
         delta_e = _difference(gamut, seen, nearest)
+
+    # A monitor is not compared with monitors.
     others = {} if isinstance(gamut, MonitorGamut) else monitors
     return Verdict(
         gamut=gamut.name,

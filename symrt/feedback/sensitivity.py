@@ -1,4 +1,4 @@
-"""How far each other parameter would move a limit: step 5 of the paper, the dual values of one range.
+"""Sensitivities of a limit to each other parameter: step 5 of the paper, the dual values of one range.
 
 At the end t of a range some pixel meets some slab, ``F(t, s) = bound``, where s, 1 now, scales a light or a material
 against the same reference white.  So that the pixel stays on the bound, t follows with
@@ -8,7 +8,7 @@ against the same reference white.  So that the pixel stays on the bound, t follo
 Both derivatives are inner products with the gradient of F by the spectra of the palette, which is taken once.
 
 A derivative is that of one pixel: a little further on another pixel may stop the parameter.  So it only says which
-parameters to ask about; what is put into words is what happens when the range is asked for again with one of them at
+parameters to ask about; put into words is the move of the limit when the range is asked for again with one of them at
 0.99, against the same white.
 """
 
@@ -38,14 +38,14 @@ from symrt.system import LinearSystem
 SHOWN = 3
 """Parameters that are asked about again, those whose derivatives are largest."""
 LESS = 0.99
-"""What they are set to."""
+"""The value that they are set to."""
 SEEN = 5e-7
 """Moves smaller than this are rounding, and are not put into words."""
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How another parameter would move a limit, as long as the same pixel stops it: a derivative.
+    """The derivative of a limit by another parameter, as long as the same pixel stops it.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Sensitivity:
 def sensitivities(
     system: LinearSystem, palette: Palette, parameter: Parameter, t: Number, pixel: int, slab: Spectrum
 ) -> tuple[Sensitivity, ...]:
-    """How each other parameter would move a limit, largest first; those that would not are left out.
+    """The sensitivities of a limit to each other parameter, largest first; those that are zero are left out.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def sensitivities(
     pixel
         The pixel that meets a bound there.
     slab
-        Weights of each band in what is bounded, of any size.
+        Weights of each band in the quantity bounded, of any size.
 
     Returns
     -------
@@ -96,6 +96,7 @@ def sensitivities(
     >>> [(one.name, one.change) for one in found]
     [('exposure', -1.0), ('sky', -0.5), ('sun', -0.5)]
     """
+    # Take the gradient of F by the spectra, and its derivative by t; without one t cannot follow.
     gradient = _gradient(system, moved(system, palette, parameter, t), pixel, slab)
     spectra = {name: palette[name] for name in gradient if name in palette}
     ends = moved_ends(system, palette, parameter)
@@ -105,12 +106,15 @@ def sensitivities(
     if moving == 0 or (t == 0 and not isinstance(parameter, Blend)):
         return ()
     own = frozenset(ends) if not isinstance(parameter, Blend) else frozenset()
+
+    # Another parameter moves the spectra at rest, and the ends between which the parameter itself moves.
     found = []
     for other, symbols in _others(system, palette, own).items():
         still = {name: spectrum for name, spectrum in spectra.items() if name in symbols and name not in ends}
         for name, (_, by_first, by_last) in changes.items():
             first, last = owners[name]
             still[name] = (first in symbols) * by_first + (last in symbols) * by_last
+
         change = -_sum(gradient, still) / (moving if isinstance(parameter, Blend) else moving * t)
         if change != 0:
             found.append(Sensitivity(other, float(change)))
@@ -119,7 +123,7 @@ def sensitivities(
 
 @dataclass(frozen=True)
 class Move:
-    """What happens to a limit when the range is asked for again with another parameter at 0.99.
+    """The move of a limit when the range is asked for again with another parameter at 0.99.
 
     Parameters
     ----------
@@ -139,7 +143,7 @@ class Move:
 
 
 def sentence(found: Collection[Move], side: str, *, absolute: bool) -> str:
-    """What moves a limit, in words, empty if nothing does.
+    """The moves of a limit in words, empty if nothing moves it.
 
     Examples
     --------

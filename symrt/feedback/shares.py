@@ -1,4 +1,4 @@
-"""How many pixels each value of a parameter keeps inside: one sweep over the sorted ends of their intervals.
+"""The share of pixels that each value of a parameter keeps inside: one sweep over the sorted ends of their intervals.
 
 The paper, §5: "clipping can be applied to force all pixels in-gamut, or some percentage of out-of-gamut pixels may be
 allowed".  The sweep gives the whole curve, and from it the values, perhaps in several pieces, that keep enough inside.
@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from symrt.feedback.polynomials import Spans
+from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 
 Kind = Literal["upper", "dark", "range", "cap"]
@@ -18,14 +18,14 @@ Weights = Int[np.ndarray, " span"] | None
 
 
 class End(NamedTuple):
-    """What ends an interval: a pixel and its kind of bound, or no pixel, -1."""
+    """The end of an interval: the pixel that makes it and its kind of bound, or no pixel, -1."""
 
     kind: Kind
     pixel: int = -1
 
 
 class Piece(NamedTuple):
-    """A closed interval of t, and what ends it on either side."""
+    """A closed interval of t, with its end on either side."""
 
     low: float
     high: float
@@ -34,13 +34,13 @@ class Piece(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Different values in rising order, and what all up to each count together."""
+    """Different values in rising order, and the sum of the weights of all up to each."""
 
     values: Float[np.ndarray, " step"]
     sums: Int[np.ndarray, " step"]
 
     def up_to(self, t: Float[np.ndarray, " value"], *, before: bool = False) -> Int[np.ndarray, " value"]:
-        """What the values up to each t count, or those before it."""
+        """The sum of the weights of the values up to each t, or before it."""
         return np.append(0, self.sums)[np.searchsorted(self.values, t, side="left" if before else "right")]
 
 
@@ -89,7 +89,7 @@ def curve(spans: Spans, always: int, pixels: int, weights: Weights = None) -> Cu
     Parameters
     ----------
     weights
-        What the pixel of each interval counts, whole numbers; 1 each if not given.
+        Weights of the pixel of each interval, whole numbers; 1 each if not given.
 
     Examples
     --------
@@ -113,17 +113,24 @@ def pieces(
     >>> pieces(spans, (0.0, 2.0), needed=2, kind="upper")
     [Piece(low=0.5, high=1.0, below=End(kind='upper', pixel=8), above=End(kind='upper', pixel=7))]
     """
+    # Intervals that are the whole range end nothing: they are counted once.
     first, last = (float(end) for end in within)
     partly = (spans.low != first) | (spans.high != last)
     kept = Spans(*(column[partly] for column in spans))
     always = int((~partly).sum()) if weights is None else int(weights[~partly].sum())
     weights = None if weights is None else weights[partly]
+
+    # Count the weights inside on both sides of every beginning and of every end.
     begins, ends = _steps(kept.low, weights), _steps(kept.high, weights)
     come, gone = always + begins.up_to(ends.values), ends.up_to(begins.values, before=True)
     inside, left = come - np.append(0, ends.sums)[:-1], come - ends.sums
     enough, fewer = always + begins.sums - gone, always + np.append(0, begins.sums)[:-1] - gone
+
+    # A piece starts where they become enough, and stops where they become too few.
     starts = np.flatnonzero((enough >= needed) & (fewer < needed) & (begins.values > first))
     stops = np.flatnonzero((inside >= needed) & (left < needed) & (ends.values < last))
+
+    # Name the pixel that makes the difference there, or the range.
     below, above = [], []
     if always + _at(begins, first) >= needed:
         below.append((first, End("range")))
@@ -169,7 +176,7 @@ def _nth(
 
 
 def shared(one: list[Piece], other: list[Piece]) -> list[Piece]:
-    """What two lists of pieces have in common; where both end together, the first says why.
+    """The intersection of two lists of pieces; where both end together, the end is that of the first.
 
     Examples
     --------

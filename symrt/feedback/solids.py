@@ -1,4 +1,4 @@
-"""What gamuts with a black of their own allow a parameter: hulls, inks and solids of colours, in step 5 of the paper.
+"""Intervals of a parameter in gamuts with a black of their own, hulls, inks and solids of colours: step 5 of the paper.
 
 Bounds of each band begin at 0 and let shadows be.  A hull of prints ends at the device's black, and so does a solid of
 their colours; they are asked about the pixels that are lighter than that.
@@ -18,13 +18,12 @@ from symrt.feedback.bounds import Bound
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.lines import Line
 from symrt.feedback.paints import Paints
-from symrt.feedback.polynomials import Spans
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
-from symrt.gamut.looking import looked_for
+from symrt.gamut.looking import Spans, looked_for
 from symrt.spectra.bands import Number
 
-CHUNK = 64
+ASKED_AT_ONCE = 64
 """Pixels that a hull, or inks, are asked about at a time."""
 
 Pixels = Int[np.ndarray, " _"]
@@ -43,7 +42,7 @@ class Solid:
     bound
         Its slabs, if it has any: they answer for all pixels at once.
     shown
-        What makes a reflectance of a radiance, band by band.
+        The factors from radiance to reflectance, band by band.
     """
 
     gamut: ConvexGamut | UnevenGamut
@@ -70,11 +69,11 @@ class Solid:
         return line.seen(np.diag(self.shown), pixels)
 
     def _asked(self, line: Line, pixels: Pixels, within: Range, progress: bool) -> Spans:
-        """What a gamut answers that can only be asked pixel by pixel, in chunks."""
+        """The intervals of each pixel in a gamut that can only be asked pixel by pixel, in chunks."""
         parts = []
-        starts = range(0, len(pixels), CHUNK)
+        starts = range(0, len(pixels), ASKED_AT_ONCE)
         for start in tqdm(starts, desc="gamut", unit="chunk", delay=1, leave=False, disable=not progress):
-            chunk = pixels[start : start + CHUNK]
+            chunk = pixels[start : start + ASKED_AT_ONCE]
             seen = self._reflected(line, chunk)
             found = self._chunk(seen, within)
             parts.append(found._replace(pixel=found.pixel + start))
@@ -83,12 +82,15 @@ class Solid:
         return Spans(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def _chunk(self, seen: Line, within: Range) -> Spans:
+        """The intervals of a chunk: curves, and lines in gamuts that are not convex, are looked at point by point."""
         gamut = self.gamut
         if isinstance(seen, Paints):
-            return Spans(*looked_for(lambda i, t: gamut.contains(seen.points(i, t)), len(seen.degrees), within))
+            return looked_for(lambda i, t: gamut.contains(seen.points(i, t)), len(seen.degrees), within)
         c = seen.coefficients(slice(None))
         if isinstance(gamut, UnevenGamut) or seen.degree > 1:
-            return Spans(*looked_for(lambda i, t: gamut.contains(_points(seen, c[:, i], t)), c.shape[1], within))
+            return looked_for(lambda i, t: gamut.contains(_points(seen, c[:, i], t)), c.shape[1], within)
+
+        # A straight line is clipped by a convex gamut.
         direction = c[-1] - c[0] if seen.form == "bernstein" else c[1] if len(c) > 1 else np.zeros_like(c[0])
         found = gamut.clip(c[0], direction)
         low, high = np.maximum(found.low, within[0]), np.minimum(found.high, within[1])
@@ -97,7 +99,7 @@ class Solid:
 
 
 def swept(parts: Sequence[Spans], needed: int) -> Spans:
-    """Where at least so many of several sets of intervals have each pixel: 1 for any of them, all for every one.
+    """The intervals that at least `needed` of several sets share: 1 for their union, all for their intersection.
 
     Examples
     --------
@@ -112,6 +114,7 @@ def swept(parts: Sequence[Spans], needed: int) -> Spans:
     count = len(pixel)
     who, t = np.tile(pixel, 2), np.concatenate([part.low for part in parts] + [part.high for part in parts])
     change = np.repeat([1, -1], count)
+
     # Intervals are closed: at one t all beginnings come before all ends.
     order = np.lexsort((-change, t, who))
     inside = np.cumsum(change[order])

@@ -1,4 +1,4 @@
-"""Which pixels a question is about, and how much each counts: step 5 of the paper, shares of an image.
+"""The pixels that a question is about, and their weights: step 5 of the paper, shares of an image.
 
 The paper lets "some percentage of out-of-gamut pixels" pass.  Whose percentage is a choice: of all pixels that light
 reaches, of an object's, or weighted by what somebody looks at.  Weights are brought to whole numbers, so that their
@@ -27,7 +27,7 @@ Mask = Bool[np.ndarray, "height width"]
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """The pixels that a question is about, in order, and what each counts.
+    """The pixels that a question is about, in order, and the weight of each.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Weighed:
     weights
         Whole numbers; None if each counts 1.
     note
-        What is asked about other than all object pixels, in words; empty if nothing.
+        The pixels asked about, in words, if they are not all object pixels; else empty.
     """
 
     pixels: Pixels
@@ -44,13 +44,13 @@ class Weighed:
     note: str = ""
 
     def of(self, pixels: Pixels) -> Int[np.ndarray, " _"]:
-        """What each of some of the pixels counts."""
+        """The weight of each of some of the pixels."""
         if self.weights is None:
             return np.ones(len(pixels), dtype=np.int64)
         return self.weights[np.searchsorted(self.pixels, pixels)]
 
     def sum(self, pixels: Pixels) -> int:
-        """What some of the pixels count together.
+        """The sum of the weights of some of the pixels.
 
         Examples
         --------
@@ -90,9 +90,12 @@ def weighed(
     >>> found.pixels, (found.weights / found.weights.sum()).tolist()
     (array([0, 2]), [0.25, 0.75])
     """
+    # All object pixels, if nothing else is said.
     objects = np.flatnonzero(system.object_pixels)
     if mask is None and weights is None:
         return Weighed(objects)
+
+    # Those in the mask, and of these the ones with a weight.
     pixels, count = objects, len(objects)
     if mask is not None:
         check_mask(system, mask, "the mask")
@@ -101,6 +104,7 @@ def weighed(
     whole = None
     if weights is not None:
         pixels, whole = _whole(system, weights, pixels)
+
     notes = [f"asked about {len(pixels)} of {count} object pixels"] if len(pixels) < count else []
     return Weighed(pixels, whole, "; ".join([*notes, *(["shares weighted"] if whole is not None else [])]))
 
@@ -108,7 +112,7 @@ def weighed(
 def pixels_of(system: LinearSystem, name: str) -> Mask:
     """The pixels that a material, one component of it, or a light contributes to: a mask to ask about one object.
 
-    What a mirror shows belongs to the material shown and to the mirror.
+    A reflection in a mirror belongs to the material shown and to the mirror.
 
     Raises
     ------
@@ -153,7 +157,7 @@ def check_most(most: int) -> None:
 
 
 def _names(interaction: Interaction) -> set[str]:
-    """What a column is about; ``sea>ice.diffuse`` is what might be there, and nothing in the picture."""
+    """The names that a column contributes to; none for ``sea>ice.diffuse``, an alternative to the picture."""
     symbols = [Symbol.of(name) for name in interaction.met]
     if any(symbol.alternative for symbol in symbols):
         return set()
@@ -164,14 +168,19 @@ def _whole(
     system: LinearSystem, weights: Float[np.ndarray, "height width"], pixels: Pixels
 ) -> tuple[Pixels, Int[np.ndarray, " _"]]:
     """The pixels that count, and their weights as whole multiples of one power of two, at least 1."""
-    _check_shape(system, weights.shape, "weights")
+    # Refuse weights that are none.
+    if weights.shape != (size := (system.height, system.width)):
+        raise ValueError(f"weights: the shape is {weights.shape}, the image's {size}: give one value a pixel")
     wrong = ~(np.isfinite(weights) & (weights >= 0))
     if wrong.any():
         y, x = np.argwhere(wrong)[0]
         raise ValueError(f"the weight of pixel ({x}, {y}) is {weights[y, x]}: weights are finite and not negative")
+
+    # Keep the pixels that count.
     pixels = pixels[weights.ravel()[pixels] > 0]
     _check_any(pixels, "every object pixel asked about has weight 0: nothing is asked")
     chosen = weights.ravel()[pixels]
+
     # By way of the exponents, so that neither tiny nor huge weights vanish or overflow on their way.
     mantissa, exponent = np.frexp(chosen)
     share = np.ldexp(mantissa, exponent - exponent.max())
@@ -180,7 +189,7 @@ def _whole(
 
 
 def check_mask(system: LinearSystem, mask: np.ndarray, what: str) -> None:
-    """Refuse what does not say of each pixel whether it is meant: numbers would name others.
+    """Refuse masks that are not true or false for each pixel: numbers would name others.
 
     Examples
     --------
@@ -194,12 +203,6 @@ def check_mask(system: LinearSystem, mask: np.ndarray, what: str) -> None:
         raise ValueError(f"{what} is {mask.shape}, the image {(system.height, system.width)}: one value a pixel")
     if mask.dtype != bool:
         raise ValueError(f"{what} is of {mask.dtype}: true or false is asked, such as mask > 0")
-
-
-def _check_shape(system: LinearSystem, shape: tuple[int, ...], name: str) -> None:
-    if shape != (system.height, system.width):
-        size = (system.height, system.width)
-        raise ValueError(f"{name}: the shape is {shape}, the image's {size}: give one value a pixel")
 
 
 def _check_any(pixels: Pixels, message: str) -> None:

@@ -26,7 +26,7 @@ from symrt.spectra.library import colour_difference
 
 ROWS_SHOWN = 8
 """Numbers of components in the table; then the one from which nothing is missing."""
-COLUMNS = ("components", "RMS", "plain", "mean ΔE2000", "plain", "largest ΔE2000", "plain")
+BASIS_COLUMNS = ("components", "RMS", "plain", "mean ΔE2000", "plain", "largest ΔE2000", "plain")
 
 Errors = Float[np.ndarray, " component"]
 
@@ -83,7 +83,7 @@ class BasisReport:
         last = min(self.rank + 1, len(self.rms))
         columns = (self.rms, self.rms_plain, self.mean, self.mean_plain, self.largest, self.largest_plain)
         shown = [*range(1, min(ROWS_SHOWN, last) + 1), *([last] if last > ROWS_SHOWN else [])]
-        return [COLUMNS, *((str(k), *(f"{column[k - 1]:.3g}" for column in columns)) for k in shown)]
+        return [BASIS_COLUMNS, *((str(k), *(f"{column[k - 1]:.3g}" for column in columns)) for k in shown)]
 
     def summary(self) -> str:
         """The rank, and the number of components that suffices, in a sentence."""

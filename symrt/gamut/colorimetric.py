@@ -24,7 +24,7 @@ from symrt.device.colorimetry import lab, tristimulus
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
 from symrt.gamut.hull import SEED
-from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
+from symrt.gamut.interface import ANY, ON_BOUNDARY, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.gamut.mixtures import nearest_mixtures
 from symrt.gamut.printed import OfPrinter
 from symrt.spectra.bands import Number
@@ -131,7 +131,7 @@ class ColorimetricGamut(OfPrinter):
         check_spectra(directions, self.bands, ANY)
         along = np.linalg.lstsq(self.observer, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.observer.T).max(axis=1)
-        decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
+        decided = missed <= ON_BOUNDARY * np.abs(directions).max(axis=1)
         return np.where(decided, (along @ self.colours.T).max(axis=1), np.inf)
 
     @property
@@ -150,7 +150,7 @@ class ColorimetricGamut(OfPrinter):
 
     def _sides(self) -> list[str]:
         """A word for each face, ``light`` or ``red``: the direction outwards in L*a*b* from its middle."""
-        on_face = np.abs(self.colours @ self.normals.T - self.offsets) <= ROUNDING
+        on_face = np.abs(self.colours @ self.normals.T - self.offsets) <= ON_BOUNDARY
         # The middle of a face is the mean of its corners; a small step along the normal gives its direction in L*a*b*.
         middles = (on_face.T @ self.colours) / np.maximum(on_face.sum(axis=0), 1)[:, None]
         away = lab(middles + STEP * self.normals, self.light) - lab(middles, self.light)

@@ -12,11 +12,12 @@ from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval, check_lines, clip_slabs
 from symrt.spectra.bands import Bands
 
-ROUNDING = 1e-12
+ON_BOUNDARY = 1e-12
 """Of numbers near 1: what is so near to a boundary is on it."""
-WIDER = ROUNDING / 2
+WIDER = ON_BOUNDARY / 2
 """By which lines are clipped wider where products are rounded: one through the boundary itself is inside."""
-UNIT = 2.0**-53
+ROUNDING = 2.0**-53
+"""Largest relative error of one rounding."""
 LARGEST_REFLECTANCE = 1e9
 """Of a reflectance; where numbers are larger, rounding may be as large as a gamut."""
 ANY = float(np.finfo(float).max)
@@ -78,7 +79,7 @@ class Slabs:
         size, growth = np.abs(origin) @ np.abs(self.matrix), np.abs(direction) @ np.abs(self.matrix)
         # The product with a band alone is exact.
         terms = np.where(of_one_band(self.matrix), 0, len(self.matrix) + 2)
-        off = 4 * terms * UNIT * (size + far[:, None] * growth)
+        off = 4 * terms * ROUNDING * (size + far[:, None] * growth)
 
         # Clip again, the line above each slab's upper bound and below its lower one by that error.
         # A slab that the line does not cross asks for nothing: it was decided by the first clip.
@@ -190,7 +191,7 @@ def beyond_rounding(excess: PerPixel, spectra: PixelBands, matrix: Float[np.ndar
     array([1.e-09, 0.e+00])
     """
     size = np.abs(spectra).max(axis=1, initial=0.0) * np.abs(matrix).sum(axis=0).max()
-    return np.where(excess <= ROUNDING * np.maximum(size, 1.0), 0.0, excess)
+    return np.where(excess <= ON_BOUNDARY * np.maximum(size, 1.0), 0.0, excess)
 
 
 def stacked(slabs: Sequence[Slabs], bands: int) -> Slabs:

@@ -17,7 +17,7 @@ Pixels = Int[np.ndarray, " _"]
 Inside = Callable[[Pixels, PerPixel], Bool[np.ndarray, " _"]]
 
 
-class Stretches(NamedTuple):
+class Spans(NamedTuple):
     """Closed intervals of t, any number for each pixel, in the order of pixels and of t."""
 
     pixel: Int[np.ndarray, " span"]
@@ -25,7 +25,7 @@ class Stretches(NamedTuple):
     high: Float[np.ndarray, " span"]
 
 
-def looked_for(inside: Inside, count: int, within: tuple[Number, Number], looks: int = LOOKS) -> Stretches:
+def looked_for(inside: Inside, count: int, within: tuple[Number, Number], looks: int = LOOKS) -> Spans:
     """The parts of a range of t in which each pixel's curve is inside, as far as looking at some places tells.
 
     Parameters
@@ -69,4 +69,4 @@ def looked_for(inside: Inside, count: int, within: tuple[Number, Number], looks:
     high = np.concatenate([inner[~enters], np.full(len(last), t[-1])])
     begin, end = np.concatenate([first, row[enters]]), np.concatenate([row[~enters], last])
     begins, ends = np.lexsort((low, begin)), np.lexsort((high, end))
-    return Stretches(begin[begins], low[begins], high[ends])
+    return Spans(begin[begins], low[begins], high[ends])

@@ -17,7 +17,7 @@ from symrt.device.colorimetry import tristimulus
 from symrt.device.monitors import EQUAL_ENERGY, Monitor
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval
-from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, beyond_rounding, check_spectra
+from symrt.gamut.interface import ANY, ON_BOUNDARY, WIDER, Slabs, beyond_rounding, check_spectra
 from symrt.spectra.bands import Bands
 from symrt.spectra.display import luminance_weights
 
@@ -102,7 +102,7 @@ class MonitorGamut:
         check_spectra(directions, self.bands, ANY)
         along = np.linalg.lstsq(self.drive.T, directions.T, rcond=None)[0].T
         missed = np.abs(directions - along @ self.drive).max(axis=1)
-        decided = missed <= ROUNDING * np.abs(directions).max(axis=1)
+        decided = missed <= ON_BOUNDARY * np.abs(directions).max(axis=1)
         return np.where(decided, along.clip(min=0).sum(axis=1), np.inf)
 
     @property

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from scipy.optimize import linprog, nnls
 
 from symrt.arrays import PerPixel, PixelBands, Spectrum
-from symrt.gamut.interface import ROUNDING, of_one_band
+from symrt.gamut.interface import ON_BOUNDARY, of_one_band
 
 UNBOUNDED_STATUS = 3
 """What HiGHS answers, through SciPy, where an objective has no limit."""
@@ -81,7 +81,7 @@ def nearest_point(normals: Normals, offsets: Offsets, point: Spectrum) -> Spectr
     rows = np.vstack([-normals.T, -room])
     multipliers = nnls(rows, wanted, maxiter=10 * len(room))[0]
     missed = rows @ multipliers - wanted
-    if np.linalg.norm(missed) <= ROUNDING:
+    if np.linalg.norm(missed) <= ON_BOUNDARY:
         raise ValueError("nothing is inside all of the half-spaces")
 
     # The rough answer tells which faces it touches; least squares on those alone find the place to the last digits.

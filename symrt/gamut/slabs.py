@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from symrt.arrays import Spectrum
 from symrt.device.printing import Device
 from symrt.gamut.clipping import Interval, clip_slabs
-from symrt.gamut.interface import ANY, ROUNDING, WIDER, Slabs, check_spectra
+from symrt.gamut.interface import ANY, ON_BOUNDARY, WIDER, Slabs, check_spectra
 from symrt.gamut.printed import OfPrinter
 from symrt.gamut.views import Shadow, Slice
 from symrt.spectra.display import luminance_weights
@@ -162,7 +162,7 @@ class Gamut(OfPrinter):
     def _darker(self, spectra: Spectra) -> Float[np.ndarray, " pixel"]:
         """The luminance by which each spectrum is darker than black; 0 if it is not, and within rounding of black."""
         darker = self.blackest - spectra @ self.weights
-        return np.where(darker <= ROUNDING, 0.0, darker)
+        return np.where(darker <= ON_BOUNDARY, 0.0, darker)
 
     def _box_support(self, directions: Spectra) -> Float[np.ndarray, " pixel"]:
         return np.where(directions > 0, directions * self.upper, directions * self.lower).sum(axis=1)

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import linprog, minimize
 
 from symrt.feedback.joint.convex import Constraints, Planes, distance, minimise
-from symrt.feedback.joint.posynomials import Posynomials, stacked
+from symrt.feedback.joint.posynomials import Posynomials, stacked_rows
 
 
 def programme(seed, scales=5, rows=60):
@@ -61,7 +61,7 @@ def test_duplicated_and_nearly_parallel_rows_change_nothing(seed):
     constraints = programme(seed)
     rows = constraints.rows
     nudged = Posynomials(rows.logs - 1e-11, rows.exponents)
-    more = Constraints(stacked([rows, rows, nudged]), constraints.planes)
+    more = Constraints(stacked_rows([rows, rows, nudged]), constraints.planes)
     one, other = (minimise(distance(np.ones(5)), c, np.zeros(5)) for c in (constraints, more))
     assert one is not None
     assert other is not None

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symrt.feedback.polynomials import Spans
 from symrt.feedback.shares import End, Piece, curve, pieces, shared
+from symrt.gamut.looking import Spans
 
 TICK = st.integers(0, 8)
 

@@ -21,12 +21,12 @@ from symrt.spectra.shading import gamma
 
 Goal = Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"]
 OBJECTIVES: tuple[Goal, ...] = ("lightest", "darkest", "closest", "lexicographic", "brightest", "contrast")
-ROUNDING = 1e-9
-"""Of luminance, that does not make an answer unacceptable."""
+LUMINANCE_ROUNDING = 1e-9
+"""Share of the luminance that may be missing without making an answer unacceptable."""
 
 
 class Answer(NamedTuple):
-    """What was found, its mean luminance as a share of that of the image given, and whether that is enough."""
+    """The scales found, their mean luminance as a share of that of the image given, and whether that is enough."""
 
     found: Filled
     luminance: float
@@ -46,19 +46,24 @@ def answered(
 
     A budget of pixels may be left outside.
     """
-    enough = least_luminance * (1 - ROUNDING)
+    enough = least_luminance * (1 - LUMINANCE_ROUNDING)
+    # Filling answers directly.
     if goal in ("lightest", "darkest"):
         found = lightest(task, budget)
         if goal == "darkest":
             found = darkest(task, found, allowed_dark)
         kept = _kept(task, found)
         return Answer(found, kept, goal == "darkest" or kept >= enough)
+
+    # Ask for the objective alone; that is the answer if it leaves enough.
     if goal == "lexicographic":
         task, budget = _levelled(task, budget)
     best = _found(leave_out(task, _ask(goal, allowed_dark, regions), budget), goal)
     kept = _kept(task, best)
     if kept >= enough or goal == "brightest":
         return Answer(best, kept, kept >= enough)
+
+    # Otherwise ask again, with the luminance as a lower bound, if the brightest image has that much.
     light = _found(leave_out(task, _ask("brightest", allowed_dark, None), budget), "brightest")
     if _kept(task, light) < least_luminance:
         return Answer(best, kept, acceptable=False)

@@ -1,4 +1,4 @@
-"""What `adapt` answers: the means it tried, what each reached, and what was accepted (step 5 of the paper)."""
+"""The answer of `adapt`: the means tried, the figures that each reached, and the one accepted (step 5 of the paper)."""
 
 import html
 from collections.abc import Mapping
@@ -12,14 +12,14 @@ from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 from symrt.table import html_table, percent, sentences, text_table
 
-ROUNDING = 1e-9
-"""Of a figure, that does not decide."""
-HEAD = ("means", "inside", "ΔE2000", "lightness", "luminance", "lacking", "s")
+FIGURE_ROUNDING = 1e-9
+"""Difference of a figure from its criterion that counts as none."""
+STEP_COLUMNS = ("means", "inside", "ΔE2000", "lightness", "luminance", "lacking", "s")
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One means tried, and what it reaches.
+    """One means tried, and the figures that it reaches.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Step:
     luminance
         Mean of min(Y, 1), as a share of that of the image given.
     binds
-        What kept it from changing less: scales, pixels and bands.
+        The scales, pixels and bands that kept it from changing less.
     palette
         Its spectra, all changes included.
     exposure
@@ -60,7 +60,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Criteria:
-    """What an adapted image must be: None where nothing is asked."""
+    """The criteria of an adapted image; None where nothing is asked."""
 
     least_inside: float = 1.0
     most_difference: Number | None = None
@@ -70,10 +70,10 @@ class Criteria:
     def lacking(self, step: Step) -> frozenset[str]:
         """The criteria that a step does not meet: ``"inside"``, ``"difference"``, ``"lightness"`` and the like."""
         met = {
-            "inside": step.inside >= self.least_inside - ROUNDING,
-            "difference": self.most_difference is None or step.difference <= self.most_difference + ROUNDING,
-            "lightness": self.least_lightness is None or step.lightness >= self.least_lightness - ROUNDING,
-            "luminance": step.luminance >= self.least_luminance - ROUNDING,
+            "inside": step.inside >= self.least_inside - FIGURE_ROUNDING,
+            "difference": self.most_difference is None or step.difference <= self.most_difference + FIGURE_ROUNDING,
+            "lightness": self.least_lightness is None or step.lightness >= self.least_lightness - FIGURE_ROUNDING,
+            "luminance": step.luminance >= self.least_luminance - FIGURE_ROUNDING,
         }
         return frozenset(name for name, enough in met.items() if not enough)
 
@@ -104,7 +104,7 @@ class Adapted:
     accepted
         The step that meets all criteria; None if there is none.
     asked, objects
-        How many pixels colours were compared on, of how many that light reaches.
+        Number of pixels on which colours were compared, and number of pixels that light reaches.
     note
         The gamut.
 
@@ -123,7 +123,7 @@ class Adapted:
 
     @property
     def verdict(self) -> Literal["reached", "not reached"]:
-        """Whether the criteria are met."""
+        """``"reached"`` if some step meets all criteria."""
         return "reached" if self.accepted else "not reached"
 
     @property
@@ -176,14 +176,14 @@ class Adapted:
         ]
 
     def __repr__(self) -> str:
-        table = text_table(HEAD, self.rows)
+        table = text_table(STEP_COLUMNS, self.rows)
         rest = sentences([*self._reasons(), f"Against {self.note}; {self.seconds:.2f} s."])
         return "\n".join([sentences([self._answer()]), table, rest])
 
     def _repr_html_(self) -> str:
         lines = "".join(f"<p>{html.escape(line)}</p>" for line in self._reasons())
         note = f"<p><small>Against {html.escape(self.note)}</small></p>"
-        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.rows)}{lines}{note}"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(STEP_COLUMNS, self.rows)}{lines}{note}"
 
     def _accepted(self) -> Step:
         if self.accepted is None:

@@ -33,9 +33,9 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
 from symrt.system import LinearSystem
 
-ASKED = 2000
+COMPARED = 2000
 """Object pixels, drawn evenly, on which colours are compared and gamuts without bounds in each band are asked."""
-HALVINGS = 5
+SHARE_HALVINGS = 5
 """Of the share left out: it is known to a 32nd of what is allowed."""
 GOALS: tuple[Goal, ...] = ("closest", "lexicographic", "brightest")
 
@@ -57,7 +57,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     within: Range = (0.01, 3.0),
     reference: Reference | None = None,
     cap: bool = True,
-    most: int = ASKED,
+    most: int = COMPARED,
     progress: bool = True,
 ) -> Adapted:
     """The simplest change of an image that meets stated criteria, or why none does.
@@ -79,13 +79,13 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
         Share of the mean of min(Y, 1) of the image given that an acceptable answer keeps, as for `fit`: black is in
         every gamut; 0 accepts any.
     map_rest
-        Whether pixels may at last be moved one by one, as `map_pixels` does: the image is then no palette's any more.
+        True to let pixels be moved one by one at last, as `map_pixels` does: the image is then no palette's any more.
     within, reference, cap
         As for `fit`.
     most
         Object pixels on which colours are compared, and on which gamuts without bounds in each band are asked.
     progress
-        Whether a bar is shown, after a second, on standard error.
+        True to show a bar on standard error, after a second.
 
     Raises
     ------
@@ -107,6 +107,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     >>> strict.verdict, strict.accepted
     ('not reached', None)
     """
+    # Refuse criteria that are no shares, and parts that do not fit together.
     start = time.perf_counter()
     check_kinds(system, palette, gamut)
     check_share(least_inside, "least_inside")
@@ -117,10 +118,13 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
     symbols_of(system, palette, scales)
     criteria = Criteria(float(least_inside), most_difference, least_lightness, least_luminance)
     checked = checked_range(scales[0] if scales else Scale("-"), within)
+
     # Every step is seen against the white of the image given, and its palette carries it.
     seen = as_asked(reference).kept(system, palette)
     image = appearance(system, replace(palette, white=seen.radiance), gamut, seen, most=most)
     work = _Work(image, tuple(scales), checked, seen, cap, criteria)
+
+    # Try one means after another, until one meets all criteria.
     steps: list[Step] = []
     with tqdm(desc="adapt", unit="step", delay=1, leave=False, disable=not progress) as bar:
         for step in _steps(work, map_rest):
@@ -129,6 +133,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
             bar.update()
             if criteria.met(step):
                 break
+
     accepted = steps[-1] if criteria.met(steps[-1]) else None
     return Adapted(
         criteria=criteria,
@@ -143,7 +148,7 @@ def adapt(  # noqa: PLR0913  # a public verb names its options
 
 @dataclass(frozen=True, eq=False)
 class _Work:
-    """What `adapt` was asked."""
+    """The question put to `adapt`, with the image given."""
 
     image: Appearance
     scales: tuple[Scale, ...]
@@ -161,7 +166,7 @@ class _Work:
         return device_gamut(gamut.devices[0], "envelope") if gamut.devices else None
 
     def exposed(self, palette: Palette, gamut: ConvexGamut | UnevenGamut, share: float) -> Feasible:
-        """Which exposures of a palette leave no more than a share of the pixels outside a gamut."""
+        """The exposures of a palette that leave no more than a share of the pixels outside a gamut."""
         return feasible(
             self.image.system,
             palette,
@@ -192,6 +197,7 @@ class _Work:
 
 def _steps(work: _Work, map_rest: bool) -> Iterator[Step]:
     """The means one after another, each with what it reaches."""
+    # List the means: dimming, and scales of each objective, without pixels left out and then with them.
     tried: list[Step] = []
     bounds, spare = work.bounds, 1.0 - work.criteria.least_inside
     asked = [partial(_as_given, work)]
@@ -199,6 +205,8 @@ def _steps(work: _Work, map_rest: bool) -> Iterator[Step]:
         asked.append(partial(_fewest, work, partial(_dimmed, work), share))
         if bounds is not None and work.scales:
             asked += [partial(_fewest, work, partial(_scaled, work, bounds, goal), share) for goal in GOALS]
+
+    # Try them, and at last move the pixels that the best of them leave outside.
     for ask in asked:
         tried.append(ask())
         yield tried[-1]
@@ -208,7 +216,7 @@ def _steps(work: _Work, map_rest: bool) -> Iterator[Step]:
 
 
 def _targets(gamut: ConvexGamut | UnevenGamut) -> tuple[Target, ...]:
-    """Where pixels may go: no straight line leads to a grey in a gamut that is not convex."""
+    """The targets of single pixels: no straight line leads to a grey in a gamut that is not convex."""
     if isinstance(gamut, UnevenGamut):
         return ("nearest",)
     return ("neutral",) if isinstance(gamut, Gamut) else ("nearest", "neutral")
@@ -278,7 +286,7 @@ def _fewest(work: _Work, ask: Callable[[float], Step], share: float) -> Step:
     if not share or not work.criteria.met(step):
         return step
     few, many = 0.0, share
-    for _ in range(HALVINGS):
+    for _ in range(SHARE_HALVINGS):
         other = ask((few + many) / 2)
         if work.criteria.met(other):
             step, many = other, other.left_out
@@ -288,12 +296,15 @@ def _fewest(work: _Work, ask: Callable[[float], Step], share: float) -> Step:
 
 
 def _mapped(work: _Work, step: Step, towards: Target) -> Step:
-    """What a step leaves outside, moved pixel by pixel."""
+    """A step whose image still has pixels outside, which are moved one by one."""
+    # Move the pixels.
     start = time.perf_counter()
     image = work.image
     found = map_pixels(
         image.system, step.palette, image.gamut, towards=towards, reference=work.reference, progress=False
     )
+
+    # Judge the image that results as the others were: what was moved lies on the boundary, to rounding.
     values = found.image.values.reshape(-1, len(image.white)) / image.white
     looks = image.looks(values[image.pixels])
     inside = image.inside_to_rounding(values[image.judged])

@@ -1,4 +1,4 @@
-"""What an image looks like in print, and how much of it is inside a gamut: the figures that `adapt` goes by (step 5).
+"""The look of an image in print, and the share of it inside a gamut: the figures that `adapt` goes by (step 5).
 
 Colours are compared as prints are looked at: reflectances under D50, beside a perfect diffuser.
 """
@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from symrt.device.colorimetry import lab, tristimulus
 from symrt.feedback.limits import reflectances, white_in_every_band
 from symrt.feedback.weighing import check_most
-from symrt.gamut.interface import ConvexGamut
+from symrt.gamut.interface import ON_BOUNDARY, ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.library import colour_difference
@@ -22,8 +22,6 @@ from symrt.system import LinearSystem
 
 LIGHT = "illuminant/D50"
 """Under which prints are looked at."""
-ROUNDING = 1e-12
-"""Of reflectances near 1: what is so near to a boundary is on it."""
 
 Pixels = Int[np.ndarray, " pixel"]
 Judged = Int[np.ndarray, " judged"]
@@ -32,7 +30,7 @@ Reflectances = Float[np.ndarray, "pixel band"]
 
 @dataclass(frozen=True, eq=False)
 class Appearance:
-    """The image given: what it looks like at the pixels asked, and what it takes to ask about others."""
+    """The image given: its colours at the pixels asked, and everything that it takes to judge other palettes."""
 
     system: LinearSystem
     palette: Palette
@@ -61,9 +59,9 @@ class Appearance:
         return float(self.under.contains(self.seen(palette, self.judged)).mean()) if self.judged.size else 1.0
 
     def inside_to_rounding(self, seen: Float[np.ndarray, "judged band"]) -> float:
-        """The same for pixels that were moved to the boundary, and cannot be told from it."""
+        """Share of the pixels judged that are inside, or on the boundary to rounding, where they were moved."""
         inside = self.under.contains(seen)
-        inside[~inside] = self.under.violation(seen[~inside]) <= ROUNDING
+        inside[~inside] = self.under.violation(seen[~inside]) <= ON_BOUNDARY
         return float(inside.mean()) if len(seen) else 1.0
 
     def figures(self, palette: Palette) -> tuple[float, float, float, float]:
@@ -86,6 +84,8 @@ def appearance(
     """The image given, and at most some of its pixels, drawn evenly, to compare colours on."""
     check_most(most)
     white = white_in_every_band(system, palette, reference, [gamut])
+
+    # Draw the pixels evenly; bounds in each band are quick enough to judge all of them.
     objects = np.flatnonzero(system.object_pixels)
     pixels = objects[np.linspace(0, objects.size - 1, min(most, objects.size)).round().astype(int)]
     return Appearance(

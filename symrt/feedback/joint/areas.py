@@ -1,4 +1,4 @@
-"""Areas of regions of pairs, from the lengths of lines drawn through them, and what may lie between the lines."""
+"""Areas of regions of pairs, from the lengths of lines drawn through them, and the error between the lines."""
 
 import numpy as np
 from jaxtyping import Float

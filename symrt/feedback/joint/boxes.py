@@ -12,7 +12,7 @@ from symrt.feedback.joint.programmes import Optimum
 from symrt.feedback.reasons import Reason, exceptions, footnote, work
 from symrt.table import html_table, sentences, text_table
 
-HEAD = ("scale of", "from", "to", "stopped below where", "stopped above where")
+BOX_COLUMNS = ("scale of", "from", "to", "stopped below where", "stopped above where")
 Pixels = Int[np.ndarray, " _"]
 Box = Mapping[str, tuple[float, float]]
 
@@ -26,7 +26,7 @@ class SafeBox:
     box
         For each scale the least and the largest value: all may be chosen freely between them.
     reasons
-        For each scale what stops it below, all others at their least, and above, all others at their largest.
+        The reasons that stop each scale below, all others at their least, and above, all others at their largest.
     optimum
         ``"global"``: no box inside is larger; ``"local"``: none nearby is, and device's black is kept.
     separate
@@ -73,7 +73,7 @@ class SafeBox:
 
     @property
     def table(self) -> list[tuple[str, ...]]:
-        """The sides as rows of text: name, ends, and what stops the scale at either."""
+        """The sides as rows of text: name, ends, and the reason that stops the scale at either."""
         return [
             (name, f"{low:.4g}", f"{high:.4g}", *(reason.short for reason in self.reasons[name]))
             for name, (low, high) in self.box.items()
@@ -81,12 +81,12 @@ class SafeBox:
 
     def __repr__(self) -> str:
         rest = sentences([*self._notes(), f"Against {self.note}."])
-        return "\n".join([sentences([self._answer()]), text_table(HEAD, self.table), rest])
+        return "\n".join([sentences([self._answer()]), text_table(BOX_COLUMNS, self.table), rest])
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<p>{html.escape(line)}</p>" for line in self._notes())
         note = f"<p><small>{html.escape(self.note)}</small></p>"
-        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.table)}{notes}{note}"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(BOX_COLUMNS, self.table)}{notes}{note}"
 
     def _answer(self) -> str:
         whom = "the image" if self.verdict == "complete" else "the rest of the image"

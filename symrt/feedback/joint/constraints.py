@@ -1,4 +1,4 @@
-"""What several scales may do together: step 5 of the paper, the constraints on all of them at once."""
+"""The constraints on several scales at once: step 5 of the paper."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -8,17 +8,15 @@ from jaxtyping import Float, Int
 
 from symrt.feedback.along import along_ends
 from symrt.feedback.bounds import Bound
-from symrt.feedback.caps import INWARD, grouped
+from symrt.feedback.caps import BELOW_ONE, grouped
 from symrt.feedback.joint.convex import Planes
-from symrt.feedback.joint.filling import Task, first_limits, lit
+from symrt.feedback.joint.filling import NEARLY, Task, first_limits, lit
 from symrt.feedback.joint.posynomials import Posynomials, Sliders, sliders
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.spectra.bands import Number
 
-NEARLY = 1e-9
-"""A row that is so near to its bound at the low end leaves its scales no room."""
 LEAST = 1e-300
 """Of the high end of the range, where logarithms begin if the low end is 0."""
 
@@ -28,7 +26,7 @@ Pixels = Int[np.ndarray, " _"]
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """What several scales may do together.
+    """The constraints on several scales that move together.
 
     Parameters
     ----------
@@ -85,14 +83,17 @@ def counted_pixels(task: Task, bound: Bound, filled: Mapping[str, float], allowe
 
 
 def _with_pinned(task: Task, values: Mapping[str, float], pixels: Pixels) -> Joint:
+    """The constraints on the scales that have no value yet."""
     free = {name: symbols for name, symbols in task.symbols.items() if name not in values}
     painted = task.painted(values)
+    # Logarithms need a low end above 0.
     floor = max(task.within[0], LEAST * task.within[1])
+    nothing = Posynomials(np.zeros((0, 1)), np.zeros((1, len(free))))
     return Joint(
         task=task,
         names=tuple(free),
         image=sliders(task.system, painted, free, task.asked.upper, pixels),
-        caps=_cap_rows(task, values, free) if task.cap else _no_rows(len(free)),
+        caps=_cap_rows(task, values, free) if task.cap else nothing,
         low=np.full(len(free), np.log(floor)),
         high=np.full(len(free), np.log(task.within[1])),
         pinned={},
@@ -103,15 +104,20 @@ def _with_pinned(task: Task, values: Mapping[str, float], pixels: Pixels) -> Joi
 
 def _stuck(found: Joint) -> dict[str, Reason]:
     """The scales that a row, as good as met at the low end, forbids to rise."""
+    # Find the pixels that are as good as at their bound, and the band of each.
     task, stuck = found.task, dict[str, Reason]()
     share, slab = found.image.brightest(found.low)
     met = np.flatnonzero(share >= 1 - NEARLY)
     rows = found.image.rows(met, slab[met])
+
+    # They stop every scale of that row; earlier pixels give the reason.
     values = {**dict.fromkeys(task.symbols, task.within[0]), **found.pinned}
     line = along_ends(task.system, task.painted(values), {})
     for row, pixel in enumerate(found.image.pixels[met]):
         why = reason(line, task.asked, End("upper", int(pixel)), 1.0, task.system.width)
         stuck = {**{found.names[k]: why for k in rows.scales(row)}, **stuck}
+
+    # So do the caps of materials.
     for cap in np.flatnonzero(found.caps.at(found.low)[0] >= -NEARLY):
         names = [found.names[k] for k in found.caps.scales(int(cap))]
         capped = task.capped({n: v for n, v in values.items() if n not in names}, frozenset(names))
@@ -127,12 +133,8 @@ def _cap_rows(task: Task, values: Mapping[str, float], free: Mapping[str, frozen
     for symbols in grouped(palette).values():
         sums = np.zeros((len(palette.bands), 1 + len(names)))
         for symbol in symbols:
-            sums[:, owner.get(symbol, 0)] += palette[symbol] / INWARD
+            sums[:, owner.get(symbol, 0)] += palette[symbol] / BELOW_ONE
         rows.append(sums[sums[:, 1:].any(axis=1)])
     with np.errstate(divide="ignore"):
         logs = np.log(np.vstack([np.zeros((0, 1 + len(names))), *rows]))
     return Posynomials(logs, np.vstack([np.zeros(len(names)), np.eye(len(names))]))
-
-
-def _no_rows(scales: int) -> Posynomials:
-    return Posynomials(np.zeros((0, 1)), np.zeros((1, scales)))

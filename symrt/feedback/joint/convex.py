@@ -21,11 +21,11 @@ from symrt.feedback.joint.posynomials import Posynomials
 GAP = 1e-13
 """Of slacks times duals, where the search ends."""
 MET = 1e-9
-"""What counts as satisfied: of constraints, and of the sum of gradients relative to its parts."""
-NOISE = 1e-8
+"""Residual that counts as none: of constraints, and of the sum of gradients relative to its parts."""
+NEWTON_CLOSE = 1e-8
 """Residuals below this are left to Newton's method, which is then close."""
-MOST_STEPS = 500
-UNBOUNDED = 1e13
+INTERIOR_STEPS = 500
+DIVERGED = 1e13
 """Duals above this, relative to the gradient, show that the constraints contradict each other."""
 SHORTEST = 1e-3
 """Part of Newton's step that is tried at last."""
@@ -58,15 +58,15 @@ class Constraints:
     planes: Planes
 
     def at(self, y: Point) -> PerConstraint:
-        """What must not be positive."""
+        """The values of all constraints, none of which may be positive."""
         return np.concatenate([self.rows.at(y)[0], self.planes.normals @ y - self.planes.offsets])
 
     def slopes(self, y: Point) -> Float[np.ndarray, "constraint scale"]:
-        """Its gradients."""
+        """The gradients of all constraints."""
         return np.vstack([self.rows.at(y)[1] @ self.rows.exponents, self.planes.normals])
 
     def bend(self, y: Point, weights: PerConstraint) -> Matrix:
-        """A weighted sum of its Hessians."""
+        """A weighted sum of the Hessians of all constraints."""
         shares, exponents = self.rows.at(y)[1], self.rows.exponents
         weights, slopes = weights[: len(shares)], shares @ exponents
         return (exponents.T * (weights @ shares)) @ exponents - (slopes.T * weights) @ slopes
@@ -116,24 +116,29 @@ def minimise(objective: Objective, constraints: Constraints, start: Point) -> Mi
 
 
 def _minimised(objective: Objective, constraints: Constraints, now: _State) -> Minimum | None:
+    """As `minimise`, from a state."""
     before = np.inf
-    for steps in range(MOST_STEPS):
+    for steps in range(INTERIOR_STEPS):
         dual, primal = _residuals(objective, constraints, now)
+
+        # Arrived, if the gap and both residuals are small.
         size = 1 + np.abs(objective(now.y)[1]).max(initial=0)
         gap, off, slope = now.slacks @ now.duals, np.abs(primal).max(initial=0), np.abs(dual).max()
         if max(gap, off) < GAP * size and slope < MET * size:
             return Minimum(now.y, steps)
+
         # Rounding ends the progress earlier where constraints are nearly parallel.
-        if gap > before / 2 and gap < NOISE * size and off < GAP * size and slope < NOISE * size:
+        if gap > before / 2 and gap < NEWTON_CLOSE * size and off < GAP * size and slope < NEWTON_CLOSE * size:
             return Minimum(now.y, steps)
-        if not now.duals.max(initial=0) < UNBOUNDED * size:
+
+        if not now.duals.max(initial=0) < DIVERGED * size:
             return None
         before, now = gap, _stepped(objective, constraints, now, dual, primal)
     return None
 
 
 def _residuals(objective: Objective, constraints: Constraints, at: _State) -> tuple[Point, PerConstraint]:
-    """The sum of gradients, and what constraints and slacks disagree by: both are zero at the solution."""
+    """The sum of gradients, and the differences of constraints and slacks: both are zero at the solution."""
     return (
         objective(at.y)[1] + constraints.slopes(at.y).T @ at.duals,
         constraints.at(at.y) + at.slacks,
@@ -141,10 +146,11 @@ def _residuals(objective: Objective, constraints: Constraints, at: _State) -> tu
 
 
 def _stepped(objective: Objective, constraints: Constraints, now: _State, dual: Point, primal: PerConstraint) -> _State:
-    """Mehrotra's step: how far Newton's own would come says how boldly, and how bent, the one taken is.
+    """Mehrotra's step, centred and bent according to how far Newton's own would come.
 
     If that brings no progress, Newton's step is taken, shortened until it does.
     """
+    # Predict: how much would slacks times duals lose along Newton's own step?
     newton = _newton(objective, constraints, now, dual, primal)
     products = now.slacks * now.duals
     ahead = newton(products)
@@ -160,10 +166,13 @@ def _stepped(objective: Objective, constraints: Constraints, now: _State, dual: 
         parts = (*_residuals(objective, constraints, state), state.slacks * state.duals - aim)
         return float(np.linalg.norm(np.concatenate(parts)))
 
-    before, step = max(far(now), NOISE), newton(products + ahead.slacks * ahead.duals - aim)
+    # Correct: aim at centred products, bent by the second order of the prediction.
+    before, step = max(far(now), NEWTON_CLOSE), newton(products + ahead.slacks * ahead.duals - aim)
     reached = now.moved(step, min(1.0, INSIDE * _longest(now, step)))
     if far(reached) <= before:
         return reached
+
+    # Without progress, take the plain step, and halve it.
     step = newton(products - aim)
     length = min(1.0, INSIDE * _longest(now, step))
     while not far(reached := now.moved(step, length)) <= before and length > SHORTEST:
@@ -174,7 +183,7 @@ def _stepped(objective: Objective, constraints: Constraints, now: _State, dual: 
 def _newton(
     objective: Objective, constraints: Constraints, now: _State, dual: Point, primal: PerConstraint
 ) -> Callable[[PerConstraint], _State]:
-    """Newton's step on the conditions of optimality, for what the products of slacks and duals are to lose."""
+    """Newton's step on the conditions of optimality, as a function of the change asked of slacks times duals."""
     slopes = constraints.slopes(now.y)
     # Constraints far from binding go into the matrix; those that bind keep their own equations, or digits would drown.
     far = now.slacks > now.duals
@@ -198,7 +207,7 @@ def _newton(
 
 
 def _factored(matrix: Matrix, scales: int) -> Callable[[Point], Point]:
-    """What solves the equations, which are made regular first: binding constraints may be parallel."""
+    """A solver of the equations, which are made regular first: binding constraints may be parallel."""
     diagonal = np.abs(np.diag(matrix))
     scale = np.ones(len(matrix))
     scale[:scales] = 1 / np.sqrt(np.maximum(diagonal[:scales], REGULAR))

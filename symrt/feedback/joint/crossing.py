@@ -15,16 +15,17 @@ from jaxtyping import Bool, Float, Int
 from symrt.feedback.along import Along, along, along_ends
 from symrt.feedback.asking import inside_all, spans_inside_all
 from symrt.feedback.bounds import Bound
-from symrt.feedback.caps import MOST, UNLIMITED, Cap, grouped
+from symrt.feedback.caps import ABOVE_ONE, UNLIMITED, Cap, grouped
 from symrt.feedback.intervals import inside_at, intervals
 from symrt.feedback.joint.pairs import given_value
 from symrt.feedback.limits import Limits
 from symrt.feedback.parameters import Parameter, moved, moved_ends, with_spectra
-from symrt.feedback.polynomials import ROUNDING, Spans
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import Curve, End, Piece, curve, pieces, shared
 from symrt.gamut.clipping import clip_slabs
+from symrt.gamut.interface import ROUNDING
+from symrt.gamut.looking import Spans
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
@@ -243,7 +244,7 @@ def _caps(plane: Plane, painted: Palette) -> tuple[Cap, Cap]:
         for k in (0, 1)
     )
     bands = len(painted.bands)
-    found = clip_slabs(np.full(bands, -np.inf), np.full(bands, MOST), first, last - first)
+    found = clip_slabs(np.full(bands, -np.inf), np.full(bands, ABOVE_ONE), first, last - first)
 
     def cap(group: int, value: float) -> Cap:
         at = first[group] + (last[group] - first[group]) * (value if np.isfinite(value) else 0.0)

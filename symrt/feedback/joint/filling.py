@@ -33,16 +33,16 @@ from symrt.system import LinearSystem
 
 Pixels = Int[np.ndarray, " _"]
 NEARLY = 1e-9
-"""A slab whose bound is met to this share is one that binds."""
-INWARD = 8
+"""A bound that is met to this share binds, and leaves the scales that light it no room."""
+ROUNDINGS_INWARD = 8
 """Times the rounding of a pixel that bounds are moved inwards, because every round computes the pixels anew."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What is filled: a system, the symbols of each scale, the bounds, and the pixels that need not be inside.
+    """A question to several scales: a system, the symbols of each, the bounds, and the pixels that need not be inside.
 
-    What it takes is ticked, a call for each level, programme or scale.
+    `tick` is called once per level, programme or scale.
     """
 
     system: LinearSystem
@@ -83,7 +83,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Filled:
-    """Values and reasons of the scales, pixels that are not kept inside, those above black, and what it took."""
+    """Values and reasons of the scales, pixels that are not kept inside, those above black, and the work done."""
 
     values: Mapping[str, float]
     reasons: Mapping[str, Reason]
@@ -97,7 +97,7 @@ class Filled:
 
 
 def lightest(task: Task, budget: int = 0) -> Filled:
-    """Raise the level; freeze what brightens a binding pixel there; go on with the rest.
+    """Raise all scales together; where a pixel binds, freeze those that brighten it, and go on with the rest.
 
     A budget of pixels may be left outside.  Nothing gets darker as scales rise, so that the pixels outside when all
     share a value are outside wherever none is below it: the level is that of the first pixel beyond the budget.
@@ -110,19 +110,25 @@ def lightest(task: Task, budget: int = 0) -> Filled:
     optimum: Literal["global", "local"] = "global"
     while free := frozenset(task.symbols).difference(values):
         task.tick()
+
+        # Each pixel limits the value that the free scales share, and so does the cap on materials.
         line = task.line(values, free)
         bound = task.asked.upper
         touched = rows[line.touched[rows]]
-        found = intervals(line.seen(bound.matrix, touched), bound, (0.0, high), INWARD)
+        found = intervals(line.seen(bound.matrix, touched), bound, (0.0, high), ROUNDINGS_INWARD)
         limit = np.full(len(touched), low)
         limit[found.pixel] = found.high
         capped = task.capped(values, free)
+
+        # Rise to the first limit beyond the budget; the pixels that are passed on the way are left out.
         reached = min(float(np.sort(limit)[budget]) if budget < len(limit) else high, capped.value)
         spared = touched[limit < reached]
         out, rows, budget = np.append(out, spared), np.setdiff1d(rows, spared), budget - len(spared)
         if len(spared) and not budget:
             rows = outermost(task.system.G, rows)
         touched, limit, level = touched[limit >= reached], limit[limit >= reached], max(level, reached)
+
+        # Freeze the scales that a pixel, the cap or the range stops there.
         stopped: Mapping[str, Reason] = {}
         if limit.min(initial=high) <= level < high:
             stopped = _stopped(task, values, free, line, End("upper", int(touched[limit.argmin()])), level)
@@ -148,6 +154,8 @@ def first_limits(task: Task, *, every: bool = False) -> tuple[Pixels, Pixels, fl
 
 
 def _first_limits(task: Task, *, every: bool) -> tuple[Pixels, Pixels]:
+    """As `first_limits`, without the level."""
+    # Ask the pixels that the scales move at the low end.
     line, bound, (low, high) = task.line({}, frozenset(task.symbols)), task.asked.upper, task.within
     touched = np.setdiff1d(np.flatnonzero(line.touched), task.left_out, assume_unique=True)
     rows = touched if every else outermost(task.system.G, touched)
@@ -157,20 +165,22 @@ def _first_limits(task: Task, *, every: bool) -> tuple[Pixels, Pixels]:
         inside = _inside(line, bound, touched, low)
         rows = np.union1d(outermost(task.system.G, touched[inside]), touched[~inside])
         inside = _inside(line, bound, rows, low)
+
+    # Pixels that are inside at the high end, too, never bind.
     kept = rows[inside]
     return kept[~_inside(line, bound, kept, high)], rows[~inside]
 
 
 def _inside(line: Along, bound: Bound, pixels: Pixels, value: float) -> Bool[np.ndarray, " pixel"]:
-    """Whether pixels are inside for sure when all scales share a value."""
-    found = intervals(line.seen(bound.matrix, pixels), bound, (value, value), INWARD)
+    """Whether each of the pixels is certainly inside when all scales share a value."""
+    found = intervals(line.seen(bound.matrix, pixels), bound, (value, value), ROUNDINGS_INWARD)
     inside = np.zeros(len(pixels), dtype=bool)
     inside[found.pixel] = True
     return inside
 
 
 def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
-    """Lower the level; scales follow from their lightest values; freeze what lights a pixel that must not go dark."""
+    """Lower the scales from their lightest values; freeze those that light a pixel which must not go dark."""
     low = task.within[0]
     if task.asked.dark is None:
         return replace(
@@ -178,25 +188,32 @@ def darkest(task: Task, first: Filled, allowed_dark: Number) -> Filled:
             values=dict.fromkeys(task.symbols, low),
             reasons=dict.fromkeys(task.symbols, Reason("range")),
         )
+
     rows, budget = lit(task, task.asked.dark, first.values, allowed_dark)
     values, reasons, optimum = dict(first.values), dict[str, Reason](), first.optimum
     level = max(values.values())
     while free := frozenset(task.symbols).difference(reasons):
         task.tick()
+
+        # The scales at the level sink, as far as the next one's value or the pixels that must stay above black.
         sinking = frozenset(n for n in free if values[n] >= level)
         below = max((values[n] for n in free - sinking), default=low)
         others = {n: v for n, v in values.items() if n not in sinking}
         line = task.line(others, sinking)
         bound = task.asked.dark
         touched = rows[line.touched[rows]]
-        found = intervals(line.seen(bound.matrix, touched), bound, (below, level), INWARD)
+        found = intervals(line.seen(bound.matrix, touched), bound, (below, level), ROUNDINGS_INWARD)
         limit = np.full(len(touched), level)
         limit[found.pixel] = found.low
+
+        # Sink to the last limit within the budget; the pixels that are passed on the way go dark.
         falling = int(np.sum(limit > below))
         level = below if falling <= budget else float(np.sort(limit)[-1 - budget])
         values |= dict.fromkeys(sinking, level)
         rows = np.setdiff1d(rows, touched[limit > level])
         budget -= int(np.sum(limit > level))
+
+        # Freeze the scales that light the pixel which stops them.
         if falling > budget and (limit == level).any() and level > below:
             pixel = int(touched[limit == level][0])
             reasons |= _stopped(task, others, sinking, line, End("dark", pixel), level)
@@ -220,13 +237,17 @@ def _stopped(
     task: Task, values: Mapping[str, float], free: frozenset[str], line: Along, end: End, level: float
 ) -> dict[str, Reason]:
     """The free scales that light the pixel in a slab whose bound it meets, each with that as its reason."""
+    # Find the slabs whose bounds the pixel meets.
     bound = task.asked.upper if end.kind == "upper" or task.asked.dark is None else task.asked.dark
     row = np.array([end.pixel])
     value = line.seen(bound.matrix, row).at(level)[0]
     meets = value >= bound.upper * (1 - NEARLY) if end.kind == "upper" else value <= bound.lower * (1 + NEARLY)
+
+    # Find the symbols that light it there.
     columns = [task.system.interactions[k] for k in task.system.G[row].indices]
     lights = (gamma(columns, task.painted(values)) @ bound.matrix[:, meets] > 0).any(axis=1)
     symbols = {name for i, lit in zip(columns, lights, strict=True) if lit for name in (i.light, *i.met)}
+
     why = reason(line, task.asked, end, level, task.system.width)
     stopped = {name: why for name in sorted(free) if symbols & task.symbols[name]}
     if not stopped:

@@ -69,7 +69,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     within
         The least and the largest scale.
     black
-        What becomes of the dark, if other than the gamut says: see `Gamut`.
+        The treatment of the dark, if other than the gamut's own: see `Gamut`.
     allowed_out
         Share of the object pixels that may be outside; those that no scales bring inside count.  Which ones is chosen
         with the scales.  That choice is exact where all scales move together: with a single scale, in the factor that
@@ -87,7 +87,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
         Share of the mean of min(Y, 1) of the image given that an acceptable answer's mean luminance keeps; 0 accepts
         any.  It does not bind ``"darkest"``.
     progress
-        Whether steps are counted on standard error, after a second.
+        True to count steps on standard error, after a second.
 
     Raises
     ------
@@ -115,6 +115,7 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     >>> round(found.values["sun"], 9), found.left_out
     (10.0, array([0]))
     """
+    # Put the question together, and refuse parts that do not fit.
     start = time.perf_counter()
     _check(objective, regions, allowed_out=allowed_out, allowed_dark=allowed_dark, least_luminance=least_luminance)
     asked = rising_limits(system, palette, with_black(gamut, black), reference)
@@ -122,9 +123,13 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     whole = task.line({}, frozenset(task.symbols))
     if whole.signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
+
+    # The pixels that no scales bring inside count among those allowed out.
     outside = outside_at_rest(task, whole)
     most = int(allowed_out * int(system.object_pixels.sum()) + 1e-9)
     budget = max(0, most - len(outside) - len(first_limits(task)[1])) if most else 0
+
+    # Answer, and certify the answer pixel by pixel.
     with tqdm(desc="fit", unit="step", delay=1, leave=False, disable=not progress) as bar:
         answer = answered(
             replace(task, tick=bar.update),
@@ -153,11 +158,14 @@ def outside_at_rest(task: Task, whole: Along) -> Pixels:
 
 
 def _checked(task: Task, whole: Along, answer: Answer, outside: Pixels, most: int) -> Fit:
-    """An answer, certified once more pixel by pixel, of which no more than so many may be outside."""
+    """The fit of an answer, certified once more pixel by pixel; `most` pixels may be outside."""
     found, system = answer.found, task.system
     objects, fitted = np.flatnonzero(system.object_pixels), task.painted(found.values)
+
+    # Shade with the palette found, and certify all pixels but those left out.
     final = along_ends(system, fitted, {})
     left_out = _certified(final, whole, task, found, np.setdiff1d(objects, outside, assume_unique=True))
+
     out = len(outside) + len(found.unfixable) + len(left_out)
     return Fit(
         palette=fitted,
@@ -184,7 +192,7 @@ def _checked(task: Task, whole: Along, answer: Answer, outside: Pixels, most: in
 
 
 def _check(objective: Goal, regions: Regions | None, **shares: Number) -> None:
-    """Refuse what does not fit together."""
+    """Refuse objectives that do not exist, regions without contrast, and shares beyond 0 and 1."""
     if objective not in OBJECTIVES:
         raise ValueError(f"objective = {objective!r}: there are {', '.join(OBJECTIVES)}")
     if regions is not None and objective != "contrast":
@@ -194,7 +202,7 @@ def _check(objective: Goal, regions: Regions | None, **shares: Number) -> None:
 
 
 def _certified(final: Along, whole: Along, task: Task, found: Filled, objects: Pixels) -> Pixels:
-    """Make sure that all pixels are inside but those left out; of these, the ones that cannot be certified."""
+    """The pixels left out that cannot be certified inside, after all others are."""
     bound, spared = task.asked.upper, np.setdiff1d(found.left_out, found.unfixable)
     inside = certified(final.seen(bound.matrix, spared), whole.seen(bound.matrix, spared), bound)
     left_out = spared[~inside]
@@ -211,7 +219,7 @@ def _verdict(outside: bool, acceptable: bool) -> Literal["complete", "rest-only"
 
 
 def with_black(gamut: ConvexGamut | UnevenGamut, black: Black | None) -> ConvexGamut | UnevenGamut:
-    """The gamut with another way with black, if one is given: only bounds in each band have a choice."""
+    """The gamut with another treatment of black, if one is given: only bounds in each band have a choice."""
     if black is None:
         return gamut
     if not isinstance(gamut, Gamut):
@@ -224,7 +232,7 @@ def with_black(gamut: ConvexGamut | UnevenGamut, black: Black | None) -> ConvexG
 def task_of(
     system: LinearSystem, palette: Palette, asked: Limits, scales: Sequence[Scale], within: Range, cap: bool
 ) -> Task:
-    """What is asked of several scales; no two of them may multiply the same spectrum."""
+    """The task of several scales, no two of which may multiply the same spectrum."""
     symbols = symbols_of(system, palette, scales)
     names = sorted(symbols)
     if not names:

@@ -1,4 +1,4 @@
-"""The palette that a fit chose, in words: what each scale became, and what stopped it there."""
+"""The palette that a fit chose, in words: the value of each scale, and the reason that stopped it there."""
 
 import html
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.table import html_table, sentences, text_table
 
-HEAD = ("scale of", "factor", "stopped where")
+FIT_COLUMNS = ("scale of", "factor", "stopped where")
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +28,9 @@ class Fit:
     reference
         The white and the exposure that the fit was asked with, fixed.
     values
-        What each spectrum was multiplied by.
+        The factor on the spectra of each scale.
     reasons
-        For each scale, what stopped it there.
+        For each scale, the reason that stopped it there.
     verdict
         ``"complete"``: no more pixels are outside than allowed; ``"rest-only"``: more are, whatever the scales;
         ``"unacceptable"``: too little of the image's luminance would be left.
@@ -54,7 +54,7 @@ class Fit:
     rounds, rows
         Programmes solved, and rows in the last of them; 0 for filling.
     note
-        Gamut, reference, exposure, and what is modelled or left out.
+        Gamut, reference and exposure, and anything modelled or left out.
     """
 
     palette: Palette
@@ -85,18 +85,18 @@ class Fit:
 
     @property
     def table(self) -> list[tuple[str, ...]]:
-        """The scales as rows of text: name, factor, and what stopped it there."""
+        """The scales as rows of text: name, factor, and the reason that stopped it there."""
         return [(name, f"{value:.4g}", self.reasons[name].short) for name, value in self.values.items()]
 
     def __repr__(self) -> str:
         rest = [*footnote(self.reasons.values()), *self._exceptions(), f"Against {self.note}."]
-        return "\n".join([sentences([self._answer()]), text_table(HEAD, self.table), sentences(rest)])
+        return "\n".join([sentences([self._answer()]), text_table(FIT_COLUMNS, self.table), sentences(rest)])
 
     def _repr_html_(self) -> str:
         lines = [*footnote(self.reasons.values()), *self._exceptions()]
         rest = "".join(f"<p>{html.escape(line)}</p>" for line in lines)
         note = f"<p><small>{html.escape(self.note)}</small></p>"
-        return f"<p>{html.escape(self._answer())}</p>{html_table(HEAD, self.table)}{rest}{note}"
+        return f"<p>{html.escape(self._answer())}</p>{html_table(FIT_COLUMNS, self.table)}{rest}{note}"
 
     def _answer(self) -> str:
         low, high = self.within

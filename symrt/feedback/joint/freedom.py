@@ -72,7 +72,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     samples
         Points at which to try the box of the separate ranges, seeded; 0: no comparison.
     progress
-        Whether steps are counted on standard error, after a second.
+        True to count steps on standard error, after a second.
 
     Raises
     ------
@@ -93,6 +93,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     >>> {name: (low, round(high, 9)) for name, (low, high) in found.box.items()}
     {'ice': (0.5, 2.0), 'sea': (0.5, 2.0)}
     """
+    # Put the question together, and refuse parts that do not fit.
     start = time.perf_counter()
     check_share(allowed_dark, "allowed_dark")
     if within[0] == within[1]:
@@ -102,6 +103,8 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     task = task_of(system, palette, asked, scales, within, cap)
     if task.line({}, frozenset(task.symbols)).signed:
         raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
+
+    # Find both corners, and settle each scale where a pixel certainly stops it.
     with tqdm(desc="safe box", unit="step", delay=1, leave=False, disable=not progress) as bar:
         task = replace(task, tick=bar.update)
         found = joint(task)
@@ -113,6 +116,8 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
             top[name], above = raised(task, close, top, name)
             bottom[name], below = lowered(task, counted, bottom, name)
             reasons[name] = below, above
+
+    # Compare with the ranges of single scales, if asked to.
     separate = _separate(task, gamut, reference) if samples else None
     answer = _answer(task, found, bottom, top, counted)
     return replace(
@@ -133,6 +138,8 @@ def _corners(
     """Scales at the bottom and at the top, and the pixels that must stay above black."""
     bottom, top = dict(found.pinned), dict(found.pinned)
     low, high, counted = task.within[0], task.within[1], np.zeros(0, dtype=int)
+
+    # Without lower bounds the bottom is that of the range; with them both corners are sought.
     if task.asked.dark is None:
         programme = Programme(_room(low), found.image, found.caps, found.box)
         middle = np.full(len(found.names), np.log((low + high) / 2))
@@ -144,6 +151,7 @@ def _corners(
         filled = lightest(task).values
         counted = counted_pixels(task, task.asked.dark, filled, allowed_dark)
         ends, cost = _between(task, found, filled, counted)
+
     for name, least, most in zip(found.names, *ends, strict=True):
         bottom[name], top[name] = float(least), min(float(most), high)
     return bottom, top, counted, cost
@@ -157,11 +165,15 @@ def _between(
     n, start = len(free), np.log([filled[name] for name in found.names])
     if task.asked.dark is None or not n:
         return (np.exp(start), np.exp(start)), NOTHING
+
+    # The variables are the logarithms at the top, and then at the bottom.
     deciding = outermost(task.system.G, counted, upper=False)
     dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
     eye, none = np.eye(n), np.zeros((n, n))
     planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))
     programme = Programme(_room(None), found.image, found.caps, planes, dark=dark, bottom=n)
+
+    # Start a little below the filled image, where lower bounds hold and there is room.
     # At the filled image something is as bright as it may be, but what is darkest may still be halfway to black.
     room = np.log(dark.darkest(start)[0].min(initial=np.e)) / (2 * max(1.0, dark.exponents.sum(axis=1).max()))
     cost = solved(programme, np.concatenate([start, start - room]), task.tick) if room > NARROW else None
@@ -197,15 +209,18 @@ def _room(low: float | None) -> Objective:
 def _answer(
     task: Task, found: Joint, bottom: Mapping[str, float], top: Mapping[str, float], counted: Pixels
 ) -> SafeBox:
-    """Both corners, certified once more pixel by pixel, and what else there is to say about them."""
+    """The box between two corners, certified once more pixel by pixel."""
     whole, bound = task.line({}, frozenset(task.symbols)), task.asked.upper
     objects = np.flatnonzero(task.system.object_pixels)
     outside = outside_at_rest(task, whole)
     excluded = np.concatenate([outside, found.unfixable])
+
+    # All other pixels must be inside at the top; those counted must be above black at the bottom.
     light, dark = (along_ends(task.system, task.painted(corner), {}) for corner in (top, bottom))
     certify(light, whole, bound, np.setdiff1d(objects, excluded, assume_unique=True))
     if task.asked.dark is not None:
         certify(dark, whole, task.asked.dark, counted)
+
     return SafeBox(
         box={name: (bottom[name], top[name]) for name in task.symbols},
         reasons={},

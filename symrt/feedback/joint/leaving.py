@@ -20,19 +20,18 @@ from jaxtyping import Float, Int
 from symrt.feedback.joint.constraints import LEAST
 from symrt.feedback.joint.filling import Filled, Task, first_limits, lightest
 from symrt.feedback.joint.posynomials import Sliders, sliders
+from symrt.feedback.joint.settling import NEAR
 
-MOST_ROUNDS = 10
+DESCENT_ROUNDS = 10
 DESCENTS = 4
 """Of the starts, from the best of which there is a descent."""
 EXCHANGES = 12
-"""Tries, each of two questions."""
-HALVINGS = 52
+"""At most this many exchanges of pixels, of two questions each."""
+LINE_HALVINGS = 52
 """Of a line, after which its points are the same to rounding."""
-STEPS = 8
+PARTS = 8
 """Parts in which the budget is spent in one of the attempts."""
-NEAR = 1e-6
-"""Pixels whose share of a bound is so near to 1 bind."""
-PROGRESS = 1e-9
+COST_PROGRESS = 1e-9
 """Of the cost, below which a round is the last."""
 
 Ask = Callable[[Task], Filled | None]
@@ -80,12 +79,15 @@ def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
     --------
     See `symrt.feedback.fit` with ``allowed_out``.
     """
+    # Ask with no pixel left out; that is the answer where nothing may be, or no pixel binds.
     first = ask(task)
     if first is None or budget <= 0:
         return first
     rows, _, _ = first_limits(task, every=True)
     if not len(rows):
         return first
+
+    # Ask without any pixel: that is where the objective pulls, and all if few enough are outside there.
     search = _Search(task, ask, sliders(task.system, task.palette, task.symbols, task.asked.upper, rows), budget)
     free = search.asked(rows)
     if free is None:
@@ -94,14 +96,20 @@ def leave_out(task: Task, ask: Ask, budget: int) -> Filled | None:
     farthest = search.image.pixels[np.argsort(-share, kind="stable")[:budget]]
     if (share > 1).sum() <= budget:
         return search.asked(search.image.pixels[share > 1])
+
+    # A single scale takes pixels out in their order.
     aim = search.point(free)
     if len(task.symbols) == 1:
         return _descended(search, first, aim)
+
+    # Choose the starts.
     ways = [_on_the_way(search, *line) for line in _alone(search, aim)]
     chosen = [lightest(task, budget).left_out, farthest, *ways]
     starts = [first, *(search.asked(out) for out in chosen)]
     if first.optimum == "global":
         starts.append(_stepped(search, first, aim))
+
+    # Descend from the best of them, and exchange pixels as long as it pays.
     likely = sorted((start for start in starts if start is not None), key=lambda answer: answer.cost)[:DESCENTS]
     best = min((_descended(search, start, aim) for start in likely), key=lambda answer: answer.cost)
     return replace(_exchanged(search, best) if best.optimum == "global" else best, optimum="local")
@@ -115,9 +123,9 @@ def _alone(search: _Search, aim: Point) -> list[tuple[Point, Point]]:
 
 def _descended(search: _Search, found: Filled, aim: Point) -> Filled:
     """Go towards the aim, leave out what comes out on the way, ask again."""
-    for _ in range(MOST_ROUNDS):
+    for _ in range(DESCENT_ROUNDS):
         better = search.asked(_on_the_way(search, search.point(found), aim))
-        if better is None or better.cost >= found.cost - PROGRESS * abs(found.cost):
+        if better is None or better.cost >= found.cost - COST_PROGRESS * abs(found.cost):
             break
         found = better
     return found
@@ -125,7 +133,7 @@ def _descended(search: _Search, found: Filled, aim: Point) -> Filled:
 
 def _stepped(search: _Search, found: Filled, aim: Point) -> Filled:
     """Spend the budget in parts, with the best scales after each."""
-    for part in np.unique(np.linspace(0, search.budget, STEPS + 1).astype(int))[1:]:
+    for part in np.unique(np.linspace(0, search.budget, PARTS + 1).astype(int))[1:]:
         found = search.asked(_on_the_way(replace(search, budget=int(part)), search.point(found), aim)) or found
     return found
 
@@ -134,16 +142,19 @@ def _exchanged(search: _Search, found: Filled) -> Filled:
     """Leave out a pixel that binds, and keep the one that is then least outside, for as long as it pays."""
     image, tried = search.image, np.zeros(0, dtype=int)
     for _ in range(EXCHANGES):
+        # Leave out one more pixel, that binds.
         share, _ = image.brightest(search.point(found))
         binding = np.setdiff1d(image.pixels[(share <= 1) & (share > 1 - NEAR)], tried)
         freed = search.asked(np.append(image.pixels[share > 1], binding[0])) if len(binding) else None
         if freed is None:
             break
         tried = np.append(tried, binding[0])
+
+        # Of the pixels outside then, keep the one that is least so.
         share, _ = image.brightest(search.point(freed))
         farthest = np.argsort(-share, kind="stable")[: min(search.budget, int((share > 1).sum()))]
         other = search.asked(image.pixels[farthest])
-        if other is not None and other.cost < found.cost - PROGRESS * abs(found.cost):
+        if other is not None and other.cost < found.cost - COST_PROGRESS * abs(found.cost):
             found = other
     return found
 
@@ -154,8 +165,9 @@ def _on_the_way(search: _Search, y: Point, aim: Point) -> Pixels:
     image = search.image
     there = np.flatnonzero((image.brightest(aim)[0] > 1) | (image.brightest(y)[0] > 1))
     close = replace(image, G=image.G[there], pixels=image.pixels[there])
+
     near, far = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(LINE_HALVINGS):
         middle = (near + far) / 2
         if len(search.outside(y + middle * (aim - y), close)) <= search.budget:
             near = middle

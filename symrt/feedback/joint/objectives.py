@@ -1,4 +1,4 @@
-"""What a fit may be after besides lightness: step 5 of the paper, several parameters at once.
+"""The objectives of a fit besides lightness: step 5 of the paper, several parameters at once.
 
 *closest*: the least change, in logarithms of the scales, that brings the image inside.  *lexicographic*: first inside,
 then exposure, then least change: no scale falls below the largest factor that all could share.  *brightest*: the
@@ -14,22 +14,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from symrt.feedback.joint.constraints import LEAST, Joint, counted_pixels, joint
 from symrt.feedback.joint.convex import Planes, distance
 from symrt.feedback.joint.filling import Filled, Task, lightest
 from symrt.feedback.joint.outermost import outermost
 from symrt.feedback.joint.planes import affine, largest
-from symrt.feedback.joint.posynomials import Posynomials, sliders, stacked
+from symrt.feedback.joint.posynomials import Posynomials, sliders, stacked_rows
 from symrt.feedback.joint.programmes import Programme, Solved, solved
 from symrt.feedback.joint.settling import GROWTH, near, raised
 from symrt.feedback.reasons import Reason
-from symrt.feedback.weighing import check_mask
+from symrt.feedback.weighing import Mask, check_mask
 from symrt.spectra.bands import Number
 from symrt.spectra.shading import gamma
 
-Mask = Bool[np.ndarray, "height width"]
 Regions = Sequence[tuple[Mask, Mask]]
 Pixels = Int[np.ndarray, " _"]
 Point = Float[np.ndarray, " scale"]
@@ -56,7 +55,7 @@ def _change(task: Task, values: Values) -> float:
 
 
 def levelled(task: Task, budget: int = 0) -> Task:
-    """What *lexicographic* leaves to *closest*: no scale below the largest factor, at most 1, that all could share.
+    """The task of *closest* that *lexicographic* leaves: no scale below the largest factor, at most 1, that all share.
 
     Of the pixels allowed to be left out, those that are outside at that factor are.
     """
@@ -127,13 +126,20 @@ def _ratio_programme(
 ) -> Programme:
     """The largest s below every ratio's logarithm."""
     box, count = found.box, len(found.names)
+
+    # One more variable, the last, is s; the planes do not see it.
     planes = Planes(np.column_stack([box.normals, np.zeros(len(box.normals))]), box.offsets)
 
     def objective(v: Point) -> tuple[float, Point, Matrix]:
         return -float(v[-1]), np.append(np.zeros(count), -1.0), np.zeros((count + 1, count + 1))
 
     return Programme(
-        objective, found.image, found.caps, planes, floors=_floor(found, floor), ratios=(stacked(light), stacked(dark))
+        objective,
+        found.image,
+        found.caps,
+        planes,
+        floors=_floor(found, floor),
+        ratios=(stacked_rows(light), stacked_rows(dark)),
     )
 
 
@@ -141,9 +147,12 @@ def _finished(
     found: Joint, programme: Programme, allowed_dark: Number, start: Values | None, most: float | None
 ) -> Filled | None:
     """Solve a programme; lower bounds start from an image in which they hold: the lightest, if no other is given."""
+    # Without scales that have room there is nothing to solve.
     task, counted = found.task, None
     if not found.names:
         return _settled(found, Solved(np.zeros(0), "global", 0, 0), None, most)
+
+    # Start where lower bounds hold, and add the pixels that must stay above black there.
     if task.asked.dark is not None or not programme.convex:
         start = start or lightest(task).values
     if task.asked.dark is not None and start is not None:
@@ -152,6 +161,8 @@ def _finished(
         deciding = outermost(task.system.G, counted, upper=False)
         dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
         programme = replace(programme, dark=dark)
+
+    # Solve, and settle the last digits.
     logs = found.low if start is None else np.log([start[name] for name in found.names])
     answer = solved(programme, _with_ratio(programme, logs), task.tick)
     if answer is None:
@@ -167,13 +178,16 @@ def _with_ratio(programme: Programme, y: Point) -> Float[np.ndarray, " variable"
 
 
 def _settled(found: Joint, answer: Solved, counted: Pixels | None, most: float | None) -> Filled:
-    """The values, brought to where pixels certainly stop them, and why they are not larger."""
+    """The values, brought to where pixels certainly stop them, and the reasons that they are not larger."""
+    # Take the scales out of their logarithms, into the range.
     task = found.task
     values = dict(found.pinned)
     values |= {
         name: float(np.clip(np.exp(y), *task.within))
         for name, y in zip(found.names, answer.y[: len(found.names)], strict=True)
     }
+
+    # Raise each scale by what rounding left; one at the low end, or at its aim, is not raised.
     reasons, close = dict(found.reasons), near(found.image, values, found.names)
     for name in found.names:
         reasons[name] = Reason("objective")
@@ -181,6 +195,7 @@ def _settled(found: Joint, answer: Solved, counted: Pixels | None, most: float |
             values[name], reasons[name] = task.within[0], Reason("range")
         elif most is None or values[name] < most:
             values[name], reasons[name] = raised(task, close, values, name, most)
+
     return Filled(
         {name: values[name] for name in task.symbols},
         {name: reasons[name] for name in task.symbols},

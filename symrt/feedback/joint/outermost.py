@@ -1,4 +1,4 @@
-"""Which pixels decide for all others: step 5 of the paper, before any programme is solved.
+"""The pixels that decide for all others: step 5 of the paper, before any programme is solved.
 
 With coefficients and spectra ≥ 0, a pixel whose coefficients are nowhere larger than another's is nowhere lighter,
 whatever the lights and the materials: it is below every upper bound that the other is below.  And a mixture of pixels
@@ -17,7 +17,7 @@ from scipy import sparse
 from scipy.spatial import ConvexHull
 
 Pixels = Int[np.ndarray, " _"]
-MOST = 64
+COMPARISONS = 64
 """Comparisons of one pixel with all others of the same interactions; a hull, or nobody, judges the rest."""
 DIMENSIONS = 5
 """Hulls in more dimensions have too many faces."""
@@ -36,12 +36,16 @@ def outermost(coefficients: sparse.csr_array, pixels: Pixels, *, upper: bool = T
     rows.sum_duplicates()
     rows.eliminate_zeros()
     lengths = np.diff(rows.indptr)
+
+    # Group the pixels by their interactions.
     # Pixels of the same interactions have the same sum of random numbers; others hardly ever, and are told apart below.
     numbers = np.random.default_rng(0).integers(0, 2**62, rows.shape[1], dtype=np.uint64)
     sums = np.append(np.uint64(0), np.cumsum(numbers[rows.indices], dtype=np.uint64))
     keys = sums[rows.indptr[1:]] - sums[rows.indptr[:-1]]
     order = np.lexsort((keys, lengths))
     changes = np.flatnonzero((np.diff(keys[order]) != 0) | (np.diff(lengths[order]) != 0)) + 1
+
+    # Keep the largest of each group; pixels that only share its random sum are kept, too.
     kept = []
     for group in np.split(order, changes):
         if not len(group) or not lengths[group[0]]:
@@ -55,14 +59,17 @@ def outermost(coefficients: sparse.csr_array, pixels: Pixels, *, upper: bool = T
 
 def _largest(values: Float[np.ndarray, "pixel coefficient"]) -> Int[np.ndarray, " kept"]:
     """The rows that no other is at least as large as in every column, and no mixture; of equal ones the first."""
+    # Sorted by their sums, a row can only be dominated by an earlier one.
     kept, rest = [], np.argsort(-values.sum(axis=1), kind="stable")
-    for _ in range(MOST):
+    for _ in range(COMPARISONS):
         if not len(rest):
             break
         kept.append(rest[:1])
         rest = rest[~(values[rest] <= values[rest[0]]).all(axis=1)]
+
+    # Of many that are left, in few dimensions, a convex hull keeps its corners.
     front = np.concatenate([*kept, rest])
-    return front[_corners(values[front])] if 1 < values.shape[1] <= DIMENSIONS and len(front) > MOST else front
+    return front[_corners(values[front])] if 1 < values.shape[1] <= DIMENSIONS and len(front) > COMPARISONS else front
 
 
 def _corners(values: Float[np.ndarray, "pixel coefficient"]) -> Int[np.ndarray, " corner"]:

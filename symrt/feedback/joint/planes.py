@@ -18,9 +18,8 @@ from scipy.optimize import linprog
 
 from symrt.feedback.joint.constraints import Joint
 from symrt.feedback.joint.posynomials import Posynomials, Sliders
-from symrt.feedback.joint.programmes import MARGIN, Solved, most
+from symrt.feedback.joint.programmes import MARGIN, MOST_ROUNDS, Solved, most
 
-MOST_ROUNDS = 100
 TOLERANCES = (1e-10, 1e-9, 1e-8)
 """Violations that HiGHS is asked for: the least that it can be, and larger ones where it does not settle with that."""
 
@@ -53,17 +52,20 @@ def largest(sums: Posynomials, found: Joint) -> Solved:
 
 
 def _largest(sums: Posynomials, found: Joint, tolerance: float) -> Solved | str:
-    """The same at one tolerance; what HiGHS says where it does not settle."""
+    """As `largest`, at one tolerance; the message of HiGHS where it does not settle."""
     low, high = np.exp(found.low), np.exp(found.high)
     gain, _ = _matrix(sums)
     chosen = found.image.first()
     for rounds in range(1, MOST_ROUNDS):
+        # Solve with the rows chosen so far.
         found.task.tick()
         parts = [_matrix(found.image.rows(*chosen)), _matrix(found.caps)]
         matrix, constant = (np.concatenate(part) for part in zip(*parts, strict=True))
         x = _solution(gain[0], matrix, 1 - constant, low, high, tolerance)
         if isinstance(x, str):
             return x
+
+        # Add the pixels that are farthest outside; what the tolerance leaves is drawn inside at the end.
         share, slab = found.image.brightest(np.log(x))
         over = most(share - 1, 2 * tolerance)
         if not len(over):
@@ -86,7 +88,7 @@ def _solution(
     high: Point,
     tolerance: float,
 ) -> Point | str:
-    """The programme of some rows, in variables and rows of size 1; what HiGHS says where it finds no solution."""
+    """The solution for some rows, in variables and rows of size 1; the message of HiGHS where it finds none."""
     column = _power_of_two(np.concatenate([matrix, gain[None] / max(gain.max(), np.finfo(float).tiny)]).max(axis=0))
     scaled = matrix / column
     row = _power_of_two(scaled.max(axis=1, initial=0.0))

@@ -22,7 +22,7 @@ from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
 
-TILE = 1 << 15
+SHARES_AT_ONCE = 1 << 15
 """Pixels that are shaded at a time."""
 
 Point = Float[np.ndarray, " scale"]
@@ -45,6 +45,7 @@ class Posynomials:
         >>> rows.at(np.zeros(1))
         (array([0.]), array([[0.5, 0.5]]))
         """
+        # Powers are taken relative to the largest term, so that none overflows.
         terms = self.logs + self.exponents @ y
         largest = terms.max(axis=1, keepdims=True)
         powers = np.exp(terms - largest)
@@ -56,7 +57,7 @@ class Posynomials:
         return np.flatnonzero(self.exponents[np.isfinite(self.logs[row])].any(axis=0))
 
 
-def stacked(parts: Sequence[Posynomials]) -> Posynomials:
+def stacked_rows(parts: Sequence[Posynomials]) -> Posynomials:
     """The rows of several, with the monomials of all."""
     exponents = np.vstack([part.exponents for part in parts])
     logs = np.full((sum(len(part.logs) for part in parts), len(exponents)), -np.inf)
@@ -110,8 +111,8 @@ class Sliders:
     ) -> tuple[Float[np.ndarray, " pixel"], Int[np.ndarray, " pixel"]]:
         factors = np.exp(self.exponents @ y)[self.monomial, None] * self.spectra
         value, slab = np.empty(len(self.pixels)), np.empty(len(self.pixels), dtype=int)
-        for start in range(0, len(value), TILE):
-            rows = slice(start, start + TILE)
+        for start in range(0, len(value), SHARES_AT_ONCE):
+            rows = slice(start, start + SHARES_AT_ONCE)
             shares = np.where(self.still[rows], ignored, self.G[rows] @ factors)
             slab[rows] = choose(shares, axis=1)
             value[rows] = np.take_along_axis(shares, slab[rows, None], axis=1)[:, 0]
@@ -159,6 +160,7 @@ def sliders(
     >>> image.exponents.ravel().tolist(), image.brightest(np.zeros(1))[0].round(12)
     ([0.0, 1.0, 2.0], array([0.6]))
     """
+    # Each interaction has a degree in each scale; interactions of the same degrees share a monomial.
     against = bound.upper if upper else bound.lower
     bounding = _bounding(against)
     degrees = np.array([[i.degree_in(s) for s in scales.values()] for i in system.interactions], dtype=int)
@@ -166,6 +168,8 @@ def sliders(
     exponents, monomial = np.unique(
         np.vstack([np.zeros((1, len(scales)), dtype=int), degrees]), axis=0, return_inverse=True
     )
+
+    # Divide the spectra by the bounds that there are: finite, and above 0.
     return Sliders(
         G=system.G[pixels],
         spectra=gamma(system.interactions, palette) @ bound.matrix[:, bounding] / against[bounding],

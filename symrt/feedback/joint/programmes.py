@@ -19,14 +19,14 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.feedback.joint.convex import Constraints, Objective, Planes, minimise
-from symrt.feedback.joint.posynomials import Posynomials, Sliders, stacked
+from symrt.feedback.joint.posynomials import Posynomials, Sliders, stacked_rows
 
 MARGIN = 1e-12
 """By how much bounds are moved inwards, so that a solution to rounding is inside."""
 PROGRESS = 1e-7
 """Of the objective, below which a point counts as the best nearby."""
 PROXIMITY = 1e-3
-"""What a squared change of the other variables counts against the ratio: a step along a tangent goes not too far."""
+"""Weight of a squared change of the other variables against the ratio: a step along a tangent goes not too far."""
 PATIENCE = 3
 """Steps that pay before tangents touch ahead of them."""
 ADDED = 64
@@ -41,7 +41,7 @@ Optimum = Literal["global", "local"]
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """What is minimised, and under which constraints.
+    """An objective to be minimised, and its constraints.
 
     The variables are the logarithms of the scales, or of the scales at the top of a box and then at its bottom.
 
@@ -75,12 +75,12 @@ class Programme:
 
     @property
     def size(self) -> int:
-        """How many variables there are."""
+        """Number of variables."""
         return self.planes.normals.shape[1]
 
 
 class Solved(NamedTuple):
-    """The point found, whether a better one may exist, and what it cost."""
+    """The point found, whether a better one may exist, and the programmes and rows that it took."""
 
     y: Point
     optimum: Optimum
@@ -109,13 +109,16 @@ def _convex(
 ) -> tuple[Solved | None, Chosen]:
     """Solve, add what is violated most, solve again."""
     for rounds in range(1, MOST_ROUNDS):
+        # Solve with the rows chosen so far.
         tick()
         image = programme.upper.rows(*chosen)
-        rows = stacked([_wide(image, programme.size), _wide(programme.rows, programme.size)])
+        rows = stacked_rows([_wide(image, programme.size), _wide(programme.rows, programme.size)])
         rows = replace(rows, logs=rows.logs + MARGIN)
         found = minimise(programme.objective, Constraints(rows, programme.planes), start)
         if found is None:
             return None, chosen
+
+        # Add the pixels that are farthest outside at the solution.
         share, slab = programme.upper.brightest(found.y[: image.exponents.shape[1]])
         over = most(share - 1, -MARGIN / 2)
         if not len(over):
@@ -129,6 +132,7 @@ def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callabl
 
     Steps may be short for long: once several have paid, tangents touch ahead, ever farther; they are valid anywhere.
     """
+    # Begin with the lower bounds that are nearest at the start.
     best, value, rounds, rows = start, np.inf, 0, 0
     touching, paid = start, 0
     dark: Chosen = (np.zeros(0, dtype=int), np.zeros(0, dtype=int))
@@ -136,17 +140,23 @@ def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callabl
         share, slab = programme.dark.darkest(_seen(programme, start))
         near = np.argsort(share, kind="stable")[:ADDED]
         dark = near, slab[near]
+
     for _ in range(MOST_ROUNDS):
+        # Solve the convex programme of the tangents.
         nearby = _linearised(programme, dark, touching)
         found, chosen = _convex(nearby, chosen, best, tick)
         if found is not None:
             rounds, rows = rounds + found.rounds, found.rows + len(nearby.planes.offsets)
+
+            # Add lower bounds that the solution violates, and solve again from the same tangents.
             if programme.dark is not None:
                 share, slab = programme.dark.darkest(_seen(programme, found.y))
                 under = most(1 - share, -MARGIN / 2)
                 if len(under):
                     dark = np.append(dark[0], under), np.append(dark[1], slab[under])
                     continue
+
+            # Keep the point if it is better; go on from it, or ahead of it, if it pays.
             reached = programme.objective(found.y)[0]
             progress, step = value - reached, found.y - best
             if progress > 0:
@@ -155,6 +165,8 @@ def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callabl
                 paid = 0 if programme.ratios is None else paid + 1
                 touching = best + (2.0 ** (paid - PATIENCE) if paid > PATIENCE else 0.0) * step
                 continue
+
+        # No progress: this is the best nearby, unless the tangents touched ahead; then they touch the best point again.
         if paid <= PATIENCE:
             break
         touching, paid = best, 0
@@ -163,6 +175,7 @@ def _condensed(programme: Programme, chosen: Chosen, start: Point, tick: Callabl
 
 def _linearised(programme: Programme, dark: Chosen, y: Point) -> Programme:
     """The programme in which whatever must be large is replaced by its tangent, which is nowhere larger."""
+    # Collect the rows that must be at least 1, and put their tangents in their place.
     parts = []
     if programme.floors is not None:
         parts.append(_wide(programme.floors, programme.size))
@@ -170,8 +183,10 @@ def _linearised(programme: Programme, dark: Chosen, y: Point) -> Programme:
         parts.append(_wide(programme.dark.rows(*dark), programme.size, programme.bottom))
     planes, rows, objective = programme.planes, programme.rows, programme.objective
     if parts:
-        slopes, constants = _tangents(stacked(parts), y)
+        slopes, constants = _tangents(stacked_rows(parts), y)
         planes = Planes(np.vstack([planes.normals, -slopes]), np.concatenate([planes.offsets, constants - MARGIN]))
+
+    # A ratio is at least e^s where the smaller, divided by the tangent of the larger, times e^s is at most 1.
     if programme.ratios is not None:
         large, small = (_wide(rows, programme.size) for rows in programme.ratios)
         slopes, constants = _tangents(large, y)
@@ -181,7 +196,7 @@ def _linearised(programme: Programme, dark: Chosen, y: Point) -> Programme:
         quotients = [
             Posynomials(small.logs[[k]] - constants[k], small.exponents - slopes[k] + more) for k in range(len(slopes))
         ]
-        rows = stacked([_wide(rows, programme.size), *quotients])
+        rows = stacked_rows([_wide(rows, programme.size), *quotients])
         objective = _near(objective, y)
     return replace(programme, planes=planes, rows=rows, objective=objective)
 

@@ -15,7 +15,7 @@ from symrt.feedback.along import Along
 from symrt.feedback.bounds import Bound
 from symrt.feedback.caps import above_one
 from symrt.feedback.intervals import intervals
-from symrt.feedback.joint.filling import INWARD, Task
+from symrt.feedback.joint.filling import ROUNDINGS_INWARD, Task
 from symrt.feedback.joint.posynomials import Sliders
 from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
@@ -37,17 +37,22 @@ def near(image: Sliders, values: Values, names: tuple[str, ...]) -> Pixels:
 
 
 def raised(task: Task, close: Pixels, values: Values, name: str, most: float | None = None) -> tuple[float, Reason]:
-    """The value of one scale, raised to what stops it, at most to `most`; and what that is."""
+    """The value of one scale, raised to where something stops it, at most to `most`, and the reason that stops it."""
+    # Ask the pixels that may bind, all other scales as they are.
     others = {n: v for n, v in values.items() if n != name}
     line, bound = task.line(others, frozenset({name})), task.asked.upper
     pixels = close[line.touched[close]]
-    found = intervals(line.seen(bound.matrix, pixels), bound, (0.0, task.within[1]), INWARD)
+    found = intervals(line.seen(bound.matrix, pixels), bound, (0.0, task.within[1]), ROUNDINGS_INWARD)
     limit = np.zeros(len(pixels))
     limit[found.pixel] = found.high
+
+    # Its own value stands where a pixel or the cap is passed by rounding alone.
     value, capped = values[name], task.capped(others, frozenset({name}))
     limit = _kept(limit, value, limit < value, line, bound, pixels)
     physical = capped.value < value and not above_one(task.painted(values), task.symbols[name])
     highest = value if physical else capped.value
+
+    # The first of the ends stops it: range, cap, objective, or a pixel.
     ends = [(task.within[1], Reason("range")), (highest, Reason("cap", band=capped.band, symbol=capped.symbol))]
     if most is not None:
         ends.append((most, Reason("objective")))
@@ -59,16 +64,20 @@ def raised(task: Task, close: Pixels, values: Values, name: str, most: float | N
 
 
 def lowered(task: Task, counted: Pixels, values: Values, name: str) -> tuple[float, Reason]:
-    """The value of one scale, lowered to where one of the pixels counted would fall below black; and which."""
+    """The value of one scale, lowered to where a pixel counted would fall below black, and the reason that stops it."""
     low, value, bound = task.within[0], values[name], task.asked.dark
     if bound is None:
         return low, Reason("range")
+
+    # Ask the pixels counted, all other scales as they are.
     line = task.line({n: v for n, v in values.items() if n != name}, frozenset({name}))
     pixels = counted[line.touched[counted]]
-    found = intervals(line.seen(bound.matrix, pixels), bound, (low, task.within[1]), INWARD)
+    found = intervals(line.seen(bound.matrix, pixels), bound, (low, task.within[1]), ROUNDINGS_INWARD)
     limit = np.full(len(pixels), np.inf)
     limit[found.pixel] = found.low
     limit = _kept(limit, value, limit > value, line, bound, pixels)
+
+    # The highest of the limits stops it, or the end of the range.
     least = float(limit.max(initial=low))
     if least < value * (1 - GROWTH):
         return value, Reason("objective")
@@ -80,7 +89,7 @@ def lowered(task: Task, counted: Pixels, values: Values, name: str) -> tuple[flo
 def _kept(
     limit: PerPixel, value: float, passed: Bool[np.ndarray, " pixel"], line: Along, bound: Bound, pixels: Pixels
 ) -> PerPixel:
-    """The limits; but the value itself where it has passed that of a pixel which is inside for sure all the same."""
+    """The limits, with the value itself where it has passed the limit of a pixel that is certainly inside there."""
     asking = np.flatnonzero(passed)
     inside = intervals(line.seen(bound.matrix, pixels[asking]), bound, (value, value), 1).pixel
     kept = np.zeros(len(limit), dtype=bool)
