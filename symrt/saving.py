@@ -45,17 +45,8 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     ...     load_system(Path(folder) / "grey.npz").interactions
     (Interaction(light='sun', met=('red.diffuse',), nodes=()),)
     """
-    try:
-        header, arrays = packed(system)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    write_archive(path, KIND, header, arrays)
-
-
-def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """The header and the arrays of a file that holds a system, unless `unpacked` would refuse them."""
     if fault := next(_faults(system), None):
-        raise ValueError(f"not saved: {fault}: correct the system")
+        raise ValueError(f"{path}: not saved: {fault}: correct the system")
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
         "height": int(system.height),
@@ -76,7 +67,7 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
             f"{name}_indices": matrix.indices.astype(np.int32),
             f"{name}_indptr": matrix.indptr.astype(np.int64),
         }
-    return header, arrays
+    write_archive(path, KIND, header, arrays)
 
 
 def load_system(path: str | Path) -> LinearSystem:
@@ -94,33 +85,29 @@ def load_system(path: str | Path) -> LinearSystem:
     ValueError: missing.npz: no such file; save a system with save_system first
     """
     with whole(path, KIND):
-        return unpacked(*read_archive(path, KIND, LARGEST))
-
-
-def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> LinearSystem:
-    """The system that the arrays and the header of a file make; each part of them is checked."""
-    _check_keys(arrays, header)
-    interactions = _interactions(header["interactions"])
-    tail = None if header["tail"] is None else _interactions(header["tail"])
-    reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
-    height, width = _count(header["height"]), _count(header["width"])
-    bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
-    if tail is None and (reflected or passed):
-        raise ValueError("nothing was cut off, but there are shares of it")
-    system = LinearSystem(
-        G=_matrix(arrays, "G", height * width, len(interactions)),
-        interactions=interactions,
-        height=height,
-        width=width,
-        white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
-        models={name: _text(v) for name, v in _table(header["models"])},
-        parameters=_parameters(header["parameters"]),
-        tail=None if tail is None else Tail(bound, tail, reflected, passed),
-        seconds={name: _number(v) for name, v in _table(header["seconds"])},
-    )
-    if fault := next(_faults(system), None):
-        raise ValueError(fault)
-    return system
+        arrays, header = read_archive(path, KIND, LARGEST)
+        _check_keys(arrays, header)
+        interactions = _interactions(header["interactions"])
+        tail = None if header["tail"] is None else _interactions(header["tail"])
+        reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
+        height, width = _count(header["height"]), _count(header["width"])
+        bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
+        if tail is None and (reflected or passed):
+            raise ValueError("nothing was cut off, but there are shares of it")
+        system = LinearSystem(
+            G=_matrix(arrays, "G", height * width, len(interactions)),
+            interactions=interactions,
+            height=height,
+            width=width,
+            white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
+            models={name: _text(v) for name, v in _table(header["models"])},
+            parameters=_parameters(header["parameters"]),
+            tail=None if tail is None else Tail(bound, tail, reflected, passed),
+            seconds={name: _number(v) for name, v in _table(header["seconds"])},
+        )
+        if fault := next(_faults(system), None):
+            raise ValueError(fault)
+        return system
 
 
 def _faults(system: LinearSystem) -> Iterator[str]:
@@ -175,8 +162,8 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     if not np.all(np.isfinite(system.G.data)):
         yield "the coefficients of G are not finite float64 numbers"
     # A bound on what was cut off may be infinite: nothing is known then.
-    bounds = np.array([c for shares in (*tail.reflected, *tail.passed) for _, c in shares])
-    if not (np.all(tail.bound.data >= 0) and np.all(bounds >= 0)):
+    bounds = [np.array([c for _, c in shares]) for shares in (*tail.reflected, *tail.passed) if shares]
+    if not np.all(tail.bound.data >= 0) or any(np.isnan(c).any() or c.max() < 0 for c in bounds):
         yield "a bound on what was cut off is below 0, or not a number"
 
 

@@ -3,19 +3,23 @@
 import functools
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Any
 
 import sympy
 from mpmath import iv
 
-from symrt.reflection.symbols import Kind, Lobe, Parameter
+from symrt.reflection.polynomials import monomials
+from symrt.reflection.symbols import Kind, Lobe, Parameter, Reflectance
 
 Interval = Any
 """An mpmath interval."""
 
 LARGEST_POWER = 64
 """Largest integer power that is bounded; others may have any value."""
+MOST_REFLECTANCES = 6
+"""Reflectances of one formula that are set to 0 and to 1 in all combinations; more are bounded one by one."""
 
 
 def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> float:
@@ -29,7 +33,22 @@ def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> f
     >>> round(largest(MODELS["phong_plain"].direct, {"exponent": (60.0, 60.0)}) * 3.14159265, 6)
     2.0
     """
-    bounds = _interval(formula, ranges)
+    # Where a reflectance and what is left of 1 stand in one formula, no value of it makes both of them 1.
+    return min(_size(_interval(formula, ranges)), max(_size(_interval(f, ranges)) for f in _extremes(formula)))
+
+
+def _extremes(formula: sympy.Expr) -> Iterator[sympy.Expr]:
+    """The formula with each reflectance 0 or 1: one that is affine in each of them is largest, and smallest, there."""
+    reflectances = sorted(formula.atoms(Reflectance), key=str)
+    affine = all(len(set(met)) == len(met) for met in monomials(formula))
+    if not affine or len(reflectances) > MOST_REFLECTANCES:
+        yield formula
+        return
+    for values in product((sympy.Integer(0), sympy.Integer(1)), repeat=len(reflectances)):
+        yield formula.xreplace(dict(zip(reflectances, values, strict=True)))
+
+
+def _size(bounds: Interval) -> float:
     found = max(-float(bounds.a), float(bounds.b))
     return math.inf if math.isnan(found) else found
 

@@ -19,7 +19,7 @@ import sympy
 
 from symrt.linear.bounds import largest
 from symrt.reflection.polynomials import monomials
-from symrt.reflection.symbols import Factor, Parameter
+from symrt.reflection.symbols import ONE_MINUS, Factor, Parameter
 from symrt.system import Shares
 
 Corner = tuple[Fraction, ...]
@@ -45,13 +45,14 @@ def corners(formula: sympy.Expr, ranges: Ranges) -> tuple[Shares, ...]:
     if found is None:
         return (tuple((met, largest(c, ranges)) for met, c in terms.items()),)
 
-    # What a corner adds, and what it takes away: the size of the sum is at most the larger of both.
+    # A corner's sum and its opposite: the size is the larger of both.  One that only takes away is never the larger.
     shares = {
-        tuple((met, _upwards(sign * c)) for met, c in zip(terms, corner, strict=True) if sign * c > 0)
+        tuple((met, _upwards(sign * c)) for met, c in zip(terms, corner, strict=True) if c)
         for corner in found
         for sign in (1, -1)
+        if any(sign * c > 0 for c in corner)
     }
-    return tuple(sorted(shares - {()}, reverse=True))
+    return tuple(sorted(shares, reverse=True))
 
 
 def _bernstein(coefficients: Sequence[sympy.Expr], ranges: Ranges) -> list[Corner] | None:
@@ -66,6 +67,11 @@ def _bernstein(coefficients: Sequence[sympy.Expr], ranges: Ranges) -> list[Corne
     }
     settled = [c.xreplace(known) for c in coefficients]
     exact = [c.xreplace({f: sympy.Rational(float(f)) for f in c.atoms(sympy.Float)}) for c in settled]
+
+    # A cosine and what is left of 1 are one variable.
+    factors = {factor for c in exact for factor in c.atoms(Factor)}
+    left = {f: 1 - Factor(f.name.removeprefix(ONE_MINUS)) for f in factors if f.name.startswith(ONE_MINUS)}
+    exact = [c.xreplace(left) for c in exact]
     cosines = sorted({symbol for c in exact for symbol in c.free_symbols}, key=str)
     if not all(isinstance(symbol, Factor) for symbol in cosines) or not all(c.is_polynomial(*cosines) for c in exact):
         return None

@@ -67,16 +67,16 @@ class _Tex(_Sized, LatexPrinter):
 
 
 class _Python(PythonCodePrinter):
-    def __init__(self, names: Mapping[Kind, str]) -> None:
+    def __init__(self, names: Mapping[Kind, str], bare: frozenset[Factor]) -> None:
         super().__init__({"fully_qualified_modules": True})
-        self.names = names
+        self.names, self.bare = names, bare
 
     def _print_Float(self, expr: sympy.Float) -> str:  # noqa: N802 -- SymPy's name for it
         return repr(float(expr))
 
     def _print_Lobe(self, expr: sympy.Expr) -> str:  # noqa: N802 -- SymPy's name for it
         one_minus, exponent = (self.doprint(part) for part in expr.args)
-        return f"lobe({one_minus}, {exponent})"
+        return f"lobe({f'1 - Decimal({one_minus})' if expr.args[0] in self.bare else one_minus}, {exponent})"
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]
@@ -132,10 +132,11 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
         raise ValueError(f"{name!r} cannot be a function's name; give a Python identifier, such as 'pixel'")
 
     # The letters of the geometry, and the function's arguments.
-    names = _identifiers(expression, taken={name, "math", "Decimal", "lobe"})
-    printer = _Python(names)
+    bare = _outside_lobes(expression)
+    names = _identifiers(expression, {name, "math", "Decimal", "lobe"}, bare)
+    printer = _Python(names, bare)
     letters = [
-        f"{names[Factor(letter)]} = {_python_value(letter, float(value))}"
+        f"{names[Factor(letter)]} = {_python_value(letter, float(value), Factor(letter) in bare)}"
         for letter, value in values.items()
         if Factor(letter) in names
     ]
@@ -153,9 +154,22 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
     return "\n".join(head) + (f"\n{LOBE}" if lobes else "\n") + f"\n\ndef {name}({arguments}):\n    return {total}"
 
 
-def _python_value(letter: str, value: float) -> str:
-    """A letter's value as code; a cosine that is raised to a power keeps every digit of its distance from 1."""
-    return f"1 - Decimal({value!r})" if letter.startswith(ONE_MINUS) else repr(value)
+def _python_value(letter: str, value: float, bare: bool) -> str:
+    """A letter's value as code; a cosine that lobes alone raise to powers keeps every digit of its distance from 1."""
+    return f"1 - Decimal({value!r})" if letter.startswith(ONE_MINUS) and not bare else repr(value)
+
+
+def _outside_lobes(expression: sympy.Expr) -> frozenset[Factor]:
+    """The factors that occur in an expression elsewhere than as the cosine of a lobe."""
+    found, left, seen = set(), [expression], set()
+    while left:
+        part = left.pop()
+        if part not in seen:
+            seen.add(part)
+            left += part.args[1:] if isinstance(part, Lobe) else part.args
+            if isinstance(part, Factor):
+                found.add(part)
+    return frozenset(found)
 
 
 def _sum(printer: Any, terms: Sequence[sympy.Expr]) -> str:
@@ -280,11 +294,11 @@ def _arguments(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:
     return sorted(free, key=lambda s: (rank.get(s.name, len(rank)), s.class_key(), s.name))
 
 
-def _identifiers(expression: sympy.Expr, taken: set[str]) -> dict[Kind, str]:
+def _identifiers(expression: sympy.Expr, taken: set[str], bare: frozenset[Factor]) -> dict[Kind, str]:
     """A Python identifier for each symbol; no two symbols share one."""
     names: dict[Kind, str] = {}
     for symbol in sorted(expression.free_symbols, key=lambda s: (s.class_key(), s.name)):
-        shown = symbol.name.removeprefix(ONE_MINUS) if isinstance(symbol, Factor) else symbol.name
+        shown = symbol.name if symbol in bare or not isinstance(symbol, Factor) else symbol.name.removeprefix(ONE_MINUS)
         name = "".join(c if c.isalnum() and c.isascii() else "_" for c in shown)
         # No identifier begins with a digit, whatever is put behind it.
         name = f"x{name}" if name[:1].isdigit() else name

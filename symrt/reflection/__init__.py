@@ -1,5 +1,6 @@
 """Models of reflection, each of them its formulas (step 1)."""
 
+from symrt.reflection.metals import f82, schlick
 from symrt.reflection.models import MODELS, Model, stack
 from symrt.reflection.symbols import (
     diffuse,
@@ -20,6 +21,7 @@ __all__ = [
     "MODELS",
     "Model",
     "diffuse",
+    "f82",
     "h_dot_v",
     "l_dot_v",
     "lobe",
@@ -30,6 +32,7 @@ __all__ = [
     "parameter",
     "r_dot_v",
     "reflectance",
+    "schlick",
     "specular",
     "stack",
 ]

@@ -22,6 +22,7 @@ import sympy
 from sympy import pi
 from sympy.core.function import AppliedUndef
 
+from symrt.reflection.metals import f82, schlick
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import (
     GEOMETRY,
@@ -30,12 +31,15 @@ from symrt.reflection.symbols import (
     Parameter,
     Reflectance,
     diffuse,
+    h_dot_v,
     lobe,
     mirror,
     n_dot_h,
     n_dot_l,
+    n_dot_v,
     parameter,
     r_dot_v,
+    reflectance,
     specular,
 )
 
@@ -186,6 +190,7 @@ def _check(field: str, formula: sympy.Expr) -> None:
 
 
 _exponent = parameter("exponent")
+_f0, _f82 = reflectance("f0"), reflectance("f82")
 
 MODELS = {
     "lambert": Model(direct=diffuse * n_dot_l / pi, ambient=diffuse),
@@ -200,5 +205,12 @@ MODELS = {
         ambient=diffuse,
     ),
     "mirror": Model(reflected=mirror),
+    # Polished metals: a mirror with Fresnel's reflectance, white along its edge.
+    "metal": Model(reflected=schlick(_f0, n_dot_v)),
+    "metal_f82": Model(reflected=f82(_f0, _f82, n_dot_v)),
+    # A metal's highlight of lights, which a mirror sees nowhere; stacked on a polished one they share their f0.
+    "rough_metal": Model(
+        direct=(_exponent + 8) / (8 * pi) * lobe(n_dot_h, _exponent) * schlick(_f0, h_dot_v) * n_dot_l
+    ),
 }
 """The models a scene file may name."""

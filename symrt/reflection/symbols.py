@@ -81,7 +81,12 @@ class Factor(Kind):
 
     rank = "3 factor"
 
-    def _latex(self, _printer: Any) -> str:
+    def _sympystr(self, _printer: Any) -> str:
+        return f"(1 - {self.name.removeprefix(ONE_MINUS)})" if self.name.startswith(ONE_MINUS) else self.name
+
+    def _latex(self, printer: Any) -> str:
+        if self.name.startswith(ONE_MINUS):
+            return rf"\left(1 - {printer.doprint(Factor(self.name.removeprefix(ONE_MINUS)))}\right)"
         stem, where = (part.replace("_", r"\_") if part not in GEOMETRY else part for part in split_factor(self.name))
         shown = r"({} \cdot {})".format(*GEOMETRY[stem]) if stem in GEOMETRY else rf"\mathit{{{stem}}}"
         return shown + (rf"_{{\mathrm{{{where}}}}}" if where else "")

@@ -30,6 +30,8 @@ Vectors = Float[np.ndarray, "component band"]
 ROWS = 1 << 15
 SMALLEST = float(np.finfo(float).tiny)
 """Bounds what products lose that underflow."""
+WHOLE = 1 + 2.0**-48
+"""A share of all light, and a few roundings of its terms more."""
 
 
 @runtime_checkable
@@ -246,22 +248,21 @@ def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
 
 
 def _most_reflected(tail: Tail, palette: Palette) -> Spectrum:
-    """The largest share that a material which lights shine on sends on of what rays bring; at least 1 if unknown."""
+    """The largest share that a material which lights shine on sends on of what rays bring; 0 where none sends any."""
     # Mirrors and glass add nothing as long as they send on no more than they receive.
     shares = [_share(terms, palette) for terms in tail.reflected]
-    passed = [np.where(_share(terms, palette) > 1, np.inf, 0.0) for terms in tail.passed]
+    passed = [np.where(_share(terms, palette) > WHOLE, np.inf, 0.0) for terms in tail.passed]
     # The bounds of what surfaces send on hold for reflectances up to 1.
     above = [np.where(palette[name] > 1, np.inf, 0.0) for name in palette.above_one]
-    unknown = np.ones(len(palette.bands))
-    return np.max([*((shares + passed) or [unknown]), *above], axis=0)
+    return np.max([np.zeros(len(palette.bands)), *shares, *passed, *above], axis=0)
 
 
 def _share(terms: Shares, palette: Palette) -> Spectrum:
-    """A sum of products of reflectances, each times a number."""
-    products = [
-        c * np.prod([np.ones(len(palette.bands)), *(_known(n, palette) for n in met)], axis=0) for met, c in terms
-    ]
-    return np.sum(products, axis=0)
+    """A sum of products of reflectances, each times a number; no reflectance times a number without a bound is 0."""
+    whole = np.ones(len(palette.bands))
+    products = [(c, np.prod([whole, *(_known(n, palette) for n in met)], axis=0)) for met, c in terms]
+    with np.errstate(invalid="ignore"):
+        return np.sum([np.where(product > 0, c * product, 0.0) for c, product in products], axis=0)
 
 
 def _known(name: str, palette: Palette) -> Spectrum:

@@ -131,6 +131,24 @@ def test_a_lobe_prints_as_a_power_and_computes_from_one_minus_its_cosine():
     assert shiny.evaluate({"sun": 2.0}) == pytest.approx(0.75**60, rel=1e-14)
 
 
+def test_one_minus_a_cosine_reads_as_that_and_computes_from_its_own_letter():
+    tree = rt.trace(mirrors(model=["metal", "rough_metal"], depth=1, exponent=30), window=(14, 13, 15, 14))
+    ball = rt.formula(tree, 0, 0)
+    assert "(ball.f0 + (1 - n_dot_v)**5*(1 - ball.f0))*" in ball.text()
+    assert "(ball.f0 + (1 - h_dot_v)**5*(1 - ball.f0))*n_dot_h**30" in ball.text()
+    assert "one_minus" not in str(ball)
+    assert r"\left(1 - (n \cdot v)\right)^{5}" in ball.latex()
+    spectra = dict(zip(ball.symbols, (2.0, 0.1, 0.6, 0.3), strict=True))
+    namespace = {}
+    exec(ball.code(), namespace)
+    assert namespace["pixel"](*spectra.values()) == pytest.approx(ball.evaluate(spectra), rel=1e-15)
+    # A cosine that is both raised to a power by a lobe and taken from 1 has one letter in code.
+    both = Formula(Light("sun") * lobe(r_dot_v, 60) * Factor("one_minus_r_dot_v"), {"one_minus_r_dot_v": 0.25})
+    assert "one_minus_r_dot_v*lobe(1 - Decimal(one_minus_r_dot_v), 60)" in both.code()
+    exec(both.code(), namespace)
+    assert namespace["pixel"](2.0) == pytest.approx(2 * 0.75**60 / 4, rel=1e-15)
+
+
 def test_a_missing_spectrum_is_named():
     with pytest.raises(ValueError, match=r"no value for sea\.diffuse"):
         Formula(Light("sun") * Reflectance("sea.diffuse")).evaluate({"sun": 1.0})

@@ -1,6 +1,7 @@
 """Laws of models: polynomial in reflectances, energy, and the corners of a lobe."""
 
 import pickle
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -15,13 +16,16 @@ from symrt.reflection import (
     MODELS,
     Model,
     diffuse,
+    f82,
     lobe,
     mirror,
+    n_dot_h,
     n_dot_l,
     n_dot_v,
     parameter,
     r_dot_v,
     reflectance,
+    schlick,
     specular,
     stack,
 )
@@ -166,3 +170,63 @@ def test_a_float_of_fewer_digits_is_refused_and_a_number_of_numpy_taken_whole():
 def test_a_plain_symbol_of_a_known_name_is_said_to_be_imported():
     with pytest.raises(ValueError, match=r"import it, from symrt\.reflection import n_dot_l"):
         Model(direct=diffuse * sympy.Symbol("n_dot_l"))
+
+
+AWAY = Factor("one_minus_n_dot_v")
+
+
+def metal(name: str, cosine: sympy.Rational, **reflectances) -> sympy.Expr:
+    """What a metal mirrors at an angle, exactly."""
+    spectra = {Reflectance(key): sympy.Rational(value) for key, value in reflectances.items()}
+    return MODELS[name].reflected.xreplace({n_dot_v: cosine, AWAY: 1 - cosine, **spectra})
+
+
+@pytest.mark.parametrize("cosine", ["0", "1/7", "3/10", "99/100", "1"])
+@pytest.mark.parametrize("f0", ["0", "1/25", "3/5", "1"])
+def test_a_metal_mirrors_by_schlicks_formula(cosine, f0):
+    # Schlick 1994, eq. (15): R0 + (1 - R0)(1 - cos θ)^5, in fractions.
+    x, r0 = Fraction(cosine), Fraction(f0)
+    assert Fraction(str(metal("metal", sympy.Rational(cosine), f0=f0))) == r0 + (1 - r0) * (1 - x) ** 5
+
+
+def test_the_82_degree_term_vanishes_along_the_normal_and_the_edge_and_meets_f82_in_between():
+    for f0, at_82 in (("3/5", "1/2"), ("9/10", "99/100"), ("1/10", "0")):
+        assert metal("metal_f82", sympy.Integer(1), f0=f0, f82=at_82) == sympy.Rational(f0)
+        assert metal("metal_f82", sympy.Integer(0), f0=f0, f82=at_82) == 1
+        meeting = metal("metal_f82", sympy.Rational(1, 7), f0=f0, f82=at_82)
+        assert float(meeting) == pytest.approx(float(Fraction(at_82)), abs=4e-16)
+    # What Schlick has at 1/7 bends nothing.
+    same = schlick(sympy.Float(0.6), n_dot_v).xreplace({AWAY: sympy.Rational(6, 7)})
+    bent = f82(sympy.Float(0.6), same, n_dot_v) - schlick(sympy.Float(0.6), n_dot_v)
+    assert abs(float(bent.xreplace({n_dot_v: sympy.Rational(1, 3), AWAY: sympy.Rational(2, 3)}))) < 1e-15
+
+
+def test_the_82_degree_terms_weights_are_those_that_make_a_picture_signed():
+    # x (1 - x)^6 is largest at 1/7; the weights of f0 and of the constant fall to -0.13.
+    x = np.linspace(0, 1, 2001)
+    split = monomials(MODELS["metal_f82"].reflected)
+    weights = {met: np.broadcast_to(sympy.lambdify([n_dot_v, AWAY], c)(x, 1 - x), x.shape) for met, c in split.items()}
+    assert weights["f82",].argmax() == pytest.approx(2000 / 7, abs=1)
+    assert weights["f82",].max() == pytest.approx(1, abs=1e-6)
+    assert weights["f82",].min() >= 0
+    assert weights["f0",].min() == pytest.approx(-0.1267, abs=1e-4)
+    assert weights[()].min() == pytest.approx(-0.1268, abs=1e-4)
+
+
+def test_a_rough_metals_highlight_is_blinns_lobe_with_schlicks_edge():
+    direct, s = MODELS["rough_metal"].direct, parameter("exponent")
+    glossy = MODELS["blinn_phong"].direct.subs({diffuse: 0})
+    edge = Factor("one_minus_h_dot_v") ** 5
+    f0 = reflectance("f0")
+    assert sympy.expand(direct * specular - glossy * (f0 + (1 - f0) * edge)) == 0
+    assert MODELS["rough_metal"].parameters == {s.name}
+    assert MODELS["rough_metal"].sending == frozenset()
+    both = stack([MODELS["metal"], MODELS["rough_metal"]])
+    assert both.components == {"f0"}
+    assert both.factors == {"one_minus_n_dot_v", "one_minus_n_dot_h", "one_minus_h_dot_v", "n_dot_l"}
+
+
+@pytest.mark.parametrize("wrong", [AWAY, diffuse, parameter("x"), 1 - n_dot_h])
+def test_schlick_takes_one_of_the_cosines(wrong):
+    with pytest.raises(ValueError, match="none of the cosines n_dot_l"):
+        schlick(reflectance("f0"), wrong)

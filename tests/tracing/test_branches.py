@@ -140,15 +140,19 @@ def test_a_light_may_reach_a_hit_several_times():
     assert "n_dot_l_l2" in text
 
 
-@pytest.mark.parametrize("name", ["shadows", "ambient", "mirrors"])
-def test_an_effect_left_out_on_request_is_bounded(name):
-    scene = replace(mirrors(model=["lambert", "mirror"], depth=3), camera=camera(12))
+@pytest.mark.parametrize(
+    ("name", "model"),
+    [*((name, ["lambert", "mirror"]) for name in ("shadows", "ambient", "mirrors")), ("shadows", "lambert")],
+)
+def test_an_effect_left_out_on_request_is_bounded(name, model):
+    scene = replace(mirrors(model=model, depth=3), camera=camera(12))
     whole, without = (rt.render(scene, force=force, progress=False) for force in (None, {name: False}))
     palette = rt.Palette(rt.RGB, dict.fromkeys(scene.symbols, 0.5))
     full, cut = rt.shade(whole, palette), rt.shade(without, palette)
     difference = np.abs(full.values - cut.values).max(axis=(0, 1))
     assert np.all(difference > 0)
     assert np.all(difference <= cut.cut_off)
+    assert np.all(np.isfinite(cut.cut_off))
     chosen = rt.plan(scene, force={name: False})
     assert name not in chosen
     (planned,) = (effect for effect in chosen.effects if effect.name == name)

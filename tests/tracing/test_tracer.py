@@ -194,6 +194,37 @@ def test_a_certificate_holds_for_models_of_ones_own(model, reflectances):
     assert np.all(missing <= image.cut_off)
 
 
+def two_balls(model, depth: int) -> rt.LinearSystem:
+    """Two balls that touch, on a floor: light goes from one to the other, and comes from the floor alone."""
+    balls = [rt.Sphere(centre=(x, 0, 0), radius=1, material="ball") for x in (-1, 1)]
+    scene = mirrors(model=model, depth=depth)
+    return rt.collapse(rt.trace(replace(scene, camera=camera(16), shapes=[*balls, *scene.shapes[1:]])))
+
+
+@pytest.mark.parametrize("f0", [0.2, 0.7, 1.0])
+@pytest.mark.parametrize("model", ["metal", "metal_f82", "mirror"])
+def test_what_metals_cut_off_is_bounded_although_they_mirror_everything_at_their_edge(model, f0):
+    # A metal reflects no lamp itself, so that no bounce between metals adds any light.
+    cut, deep = two_balls(model, 1), two_balls(model, 9)
+    names = {*cut.symbols, *deep.symbols}
+    palette = rt.Palette(rt.RGB, {name: 0.5 if name == "floor.diffuse" else f0 if "." in name else 1 for name in names})
+    image = rt.shade(cut, palette)
+    missing = rt.shade(deep, palette).values - image.values
+    assert missing.max() > 1e-3
+    assert np.all(missing >= -1e-15)
+    assert np.all(missing.max(axis=(0, 1)) <= image.cut_off)
+    assert np.all(image.cut_off < 8)
+
+
+def test_a_metal_that_is_given_more_than_everything_has_no_certificate():
+    cut = two_balls("metal_f82", 1)
+    palette = rt.Palette(rt.RGB, {"sun": 1, "sky": 1, "floor.diffuse": 0.5, "ball.f0": 0.0})
+    # Of F82 = 1 over F0 = 0 the bent curve passes 1; of F82 = 0.46, Schlick's own, it does not.
+    for f82, bounded in ((1.0, False), (0.46, True)):
+        cut_off = rt.shade(cut, palette.add({"ball.f82": f82})).cut_off
+        assert np.all(np.isfinite(cut_off) == bounded), f82
+
+
 def test_what_passes_one_has_no_certificate():
     scene = hall_of_mirrors(1)
     system = rt.collapse(rt.trace(scene))
