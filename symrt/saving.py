@@ -45,8 +45,17 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     ...     load_system(Path(folder) / "grey.npz").interactions
     (Interaction(light='sun', met=('red.diffuse',), nodes=()),)
     """
+    try:
+        header, arrays = packed(system)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    write_archive(path, KIND, header, arrays)
+
+
+def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The header and the arrays of a file that holds a system, unless `unpacked` would refuse them."""
     if fault := next(_faults(system), None):
-        raise ValueError(f"{path}: not saved: {fault}: correct the system")
+        raise ValueError(f"not saved: {fault}: correct the system")
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
         "height": int(system.height),
@@ -67,7 +76,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
             f"{name}_indices": matrix.indices.astype(np.int32),
             f"{name}_indptr": matrix.indptr.astype(np.int64),
         }
-    write_archive(path, KIND, header, arrays)
+    return header, arrays
 
 
 def load_system(path: str | Path) -> LinearSystem:
@@ -85,29 +94,33 @@ def load_system(path: str | Path) -> LinearSystem:
     ValueError: missing.npz: no such file; save a system with save_system first
     """
     with whole(path, KIND):
-        arrays, header = read_archive(path, KIND, LARGEST)
-        _check_keys(arrays, header)
-        interactions = _interactions(header["interactions"])
-        tail = None if header["tail"] is None else _interactions(header["tail"])
-        reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
-        height, width = _count(header["height"]), _count(header["width"])
-        bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
-        if tail is None and (reflected or passed):
-            raise ValueError("nothing was cut off, but there are shares of it")
-        system = LinearSystem(
-            G=_matrix(arrays, "G", height * width, len(interactions)),
-            interactions=interactions,
-            height=height,
-            width=width,
-            white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
-            models={name: _text(v) for name, v in _table(header["models"])},
-            parameters=_parameters(header["parameters"]),
-            tail=None if tail is None else Tail(bound, tail, reflected, passed),
-            seconds={name: _number(v) for name, v in _table(header["seconds"])},
-        )
-        if fault := next(_faults(system), None):
-            raise ValueError(fault)
-        return system
+        return unpacked(*read_archive(path, KIND, LARGEST))
+
+
+def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> LinearSystem:
+    """The system that the arrays and the header of a file make; each part of them is checked."""
+    _check_keys(arrays, header)
+    interactions = _interactions(header["interactions"])
+    tail = None if header["tail"] is None else _interactions(header["tail"])
+    reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
+    height, width = _count(header["height"]), _count(header["width"])
+    bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
+    if tail is None and (reflected or passed):
+        raise ValueError("nothing was cut off, but there are shares of it")
+    system = LinearSystem(
+        G=_matrix(arrays, "G", height * width, len(interactions)),
+        interactions=interactions,
+        height=height,
+        width=width,
+        white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
+        models={name: _text(v) for name, v in _table(header["models"])},
+        parameters=_parameters(header["parameters"]),
+        tail=None if tail is None else Tail(bound, tail, reflected, passed),
+        seconds={name: _number(v) for name, v in _table(header["seconds"])},
+    )
+    if fault := next(_faults(system), None):
+        raise ValueError(fault)
+    return system
 
 
 def _faults(system: LinearSystem) -> Iterator[str]:

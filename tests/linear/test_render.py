@@ -1,17 +1,18 @@
 """Tiles and workers change nothing: `render` gives the bits of `collapse(trace(scene))`."""
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib import import_module
-from multiprocessing import get_context
 
 import numpy as np
 import pytest
-from scenes_for_tests import every_scene, hall_of_mirrors, small, two_materials
+from scenes_for_tests import every_scene, hall_of_mirrors, lamps, mirrors, small, two_materials
+from scipy import sparse
 
 import symrt as rt
-from symrt.linear.matrix import stack_rows
-from symrt.linear.render import tiles
+from symrt.linear.stacking import Stack, stacked
+from symrt.linear.tiles import tiles
 
 
 def assert_same_bits(one: rt.LinearSystem, other: rt.LinearSystem) -> None:
@@ -26,7 +27,7 @@ def assert_same_bits(one: rt.LinearSystem, other: rt.LinearSystem) -> None:
 
 @pytest.fixture
 def small_tiles(monkeypatch):
-    monkeypatch.setattr(import_module("symrt.linear.render"), "TILE", 300)
+    monkeypatch.setattr(import_module("symrt.linear.tiles"), "SAMPLES", 300)
 
 
 @pytest.mark.usefixtures("small_tiles")
@@ -38,16 +39,6 @@ def test_tiles_and_1_2_and_8_workers_give_the_same_bits(name):
         assert_same_bits(rt.render(scene, workers=workers, progress=False), whole)
 
 
-@pytest.mark.usefixtures("small_tiles")
-def test_any_executor_gives_the_same_bits():
-    scene = small("first", 33, samples=2)
-    whole = rt.render(scene, progress=False)
-    with ThreadPoolExecutor(3) as threads:
-        assert_same_bits(rt.render(scene, executor=threads, progress=False), whole)
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
-        assert_same_bits(rt.render(scene, executor=processes, progress=False), whole)
-
-
 @pytest.mark.parametrize(
     ("width", "height", "samples"), [(1, 1, 1), (512, 512, 1), (100000, 2, 1), (640, 480, 4), (7, 5, 64)]
 )
@@ -56,6 +47,25 @@ def test_tiles_cover_every_pixel_once_and_do_not_depend_on_workers(width, height
     for x0, y0, x1, y1 in tiles(width, height, samples):
         count[y0:y1, x0:x1] += 1
     assert np.all(count == 1)
+
+
+def test_a_tile_holds_no_more_rays_than_the_plan_expects_of_it():
+    few, many = (rt.plan(lamps(count)) for count in (1, 100))
+    assert (few.rays_a_sample, many.rays_a_sample) == (2, 101)
+    assert rt.plan(mirrors(depth=4)).rays_a_sample == 1 + 5 + 4  # five hits look at the sun, four rays are mirrored
+    for plan in (few, many):
+        for x0, y0, x1, y1 in tiles(4096, 64, 4, plan.rays_a_sample):
+            samples = (x1 - x0) * (y1 - y0) * 4
+            assert samples <= 32768
+            assert samples * plan.rays_a_sample <= 1 << 18
+
+
+@pytest.mark.parametrize("rows", [(0, 1), (3, 40), (39, 64)])
+def test_tiles_of_some_rows_follow_the_order_of_the_pixels(rows):
+    pixels = [
+        y * 100 + x for x0, y0, x1, y1 in tiles(100, 64, 9, 40, rows) for y in range(y0, y1) for x in range(x0, x1)
+    ]
+    assert pixels == list(range(rows[0] * 100, rows[1] * 100))
 
 
 def test_a_values_render_is_a_values_collapse():
@@ -74,13 +84,34 @@ def test_a_worker_that_fails_says_why():
         rt.render(small("first", 33), executor=broken, progress=False)
 
 
-def test_rows_are_stacked_in_the_order_asked_for():
-    one = rt.collapse(rt.trace(small("first", 8)))
-    parts = [(one.G[:32], one.interactions), (one.G[32:], one.interactions)]
-    backwards = np.arange(64)[::-1]
-    stacked, columns = stack_rows(parts, backwards)
-    assert columns == one.interactions
-    np.testing.assert_array_equal(stacked.toarray(), one.G.toarray()[::-1])
+def test_stacked_rows_are_those_of_scipy_over_the_union_of_the_columns():
+    rng = np.random.default_rng(3)
+    union = tuple(sorted(rt.Interaction(light, met) for light in ("sun", "sky") for met in ((), ("a.b",), ("c.d",))))
+    stack, dense = Stack(60), []
+    for rows in (7, 0, 30, 1, 22):
+        own = np.flatnonzero(rng.random(len(union)) < 0.6)
+        block = np.zeros((rows, len(union)))
+        block[:, own] = rng.random((rows, own.size)) * (rng.random((rows, own.size)) < 0.5)
+        dense.append(block)
+        stack.add(sparse.csr_array(block[:, own]), tuple(union[k] for k in own))
+    matrix, columns = stack.matrix()
+    place = [union.index(one) for one in columns]
+    expected = sparse.csr_array(np.concatenate(dense)[:, place])
+    for part in ("data", "indices", "indptr"):
+        assert np.array_equal(getattr(matrix, part), getattr(expected, part))
+
+
+def test_tiles_are_written_into_their_place_and_never_held_twice():
+    tile = rt.LinearSystem(
+        sparse.csr_array(np.full((4096, 8), 0.5)), tuple(rt.Interaction(f"light{k}") for k in range(8)), 16, 256, {}
+    )
+    tracemalloc.start()
+    whole = stacked((replace(tile, G=tile.G.copy()) for _ in range(40)), 256, 640)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    held = whole.G.data.nbytes + whole.G.indices.nbytes + 2 * whole.G.indptr.nbytes
+    assert held > 40 * 4096 * 8 * 12
+    assert peak < 1.35 * held  # an eighth in reserve, and a tile or two
 
 
 def test_times_of_both_steps_are_kept():

@@ -1,6 +1,7 @@
 """An interrupted render goes on where it stopped, to the same bits, and never mixes two scenes."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,12 +14,13 @@ import pytest
 from scenes_for_tests import SCENES, hall_of_mirrors, small, two_materials
 
 import symrt as rt
-from symrt.linear.resume import described
+from symrt.linear.digests import described
+from symrt.linear.pieces import read_piece
 
 
 @pytest.fixture(autouse=True)
 def small_tiles(monkeypatch):
-    monkeypatch.setattr(import_module("symrt.linear.render"), "TILE", 100)
+    monkeypatch.setattr(import_module("symrt.linear.tiles"), "SAMPLES", 100)
 
 
 def same_bits(one: rt.LinearSystem, other: rt.LinearSystem) -> bool:
@@ -36,19 +38,31 @@ def test_finished_tiles_are_not_traced_again(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("damage", [b"", b"PK\x03\x04", bytes(100)], ids=["empty", "cut", "zeros"])
-def test_a_missing_or_damaged_tile_is_made_again(tmp_path, damage):
+def test_a_damaged_tile_is_made_again_with_a_sentence_and_a_missing_one_without(tmp_path, damage):
     scene = hall_of_mirrors(3)
     whole = rt.render(scene, save=tmp_path, progress=False)
     first, second = sorted(tmp_path.glob("tile-*"))[:2]
     first.unlink()
     second.write_bytes(damage)
-    assert same_bits(rt.render(scene, save=tmp_path, progress=False), whole)
+    with pytest.warns(UserWarning, match=f"{re.escape(str(second))}: not a whole symrt piece .* made again") as said:
+        again = rt.render(scene, save=tmp_path, progress=False)
+    assert len(said) == 1
+    assert same_bits(again, whole)
+    assert same_bits(rt.render(scene, save=tmp_path, progress=False), whole)  # and nothing is left to be said
 
 
 def other_bits(path):
-    """Put other coefficients into a tile: a system that is whole, and not this one."""
-    tile = rt.load_system(path)
-    rt.save_system(path, replace(tile, G=tile.G * 2))
+    """Put other coefficients into a tile, under the header and the digest that it had."""
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    np.savez_compressed(path, **(arrays | {"G_data": arrays["G_data"] * 2}))
+
+
+def one_byte(path):
+    """Alter one byte in the midst of the file."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(bytes(content))
 
 
 def swapped(first, second):
@@ -57,22 +71,29 @@ def swapped(first, second):
     second.write_bytes(one)
 
 
+def a_system_instead(first, second):
+    tile = read_piece(first).system
+    second.unlink()
+    rt.save_system(second, replace(tile, tail=None))
+
+
 @pytest.mark.parametrize(
-    "tamper",
+    ("tamper", "says"),
     [
-        lambda first, second: other_bits(first),  # noqa: ARG005 -- of two tiles, one is altered
-        lambda first, second: second.write_bytes(first.read_bytes()),
-        swapped,
-        lambda first, second: rt.save_system(second, replace(rt.load_system(first), tail=None)),
-        lambda first, second: (first.parent / "seal-0-0.sha256").write_text(""),  # noqa: ARG005 -- as above
+        (lambda first, second: other_bits(first), "its digest is another"),  # noqa: ARG005 -- of two tiles, one is altered
+        (lambda first, second: one_byte(first), "not a whole symrt piece"),  # noqa: ARG005 -- as above
+        (lambda first, second: second.write_bytes(first.read_bytes()), "a tile of"),
+        (swapped, "a tile of"),
+        (a_system_instead, "its header does not say"),
     ],
-    ids=["altered", "renamed", "swapped", "without a tail", "seal cut off"],
+    ids=["altered", "one byte", "renamed", "swapped", "a system"],
 )
-def test_a_tile_that_is_not_the_one_that_was_kept_is_made_again(tmp_path, tamper):
+def test_a_tile_that_is_not_the_one_that_was_kept_is_made_again(tmp_path, tamper, says):
     scene = hall_of_mirrors(3)
     whole = rt.render(scene, save=tmp_path, progress=False)
     tamper(*sorted(tmp_path.glob("tile-*"))[:2])
-    again = rt.render(scene, save=tmp_path, progress=False)
+    with pytest.warns(UserWarning, match=f"{says}.*made again"):
+        again = rt.render(scene, save=tmp_path, progress=False)
     assert same_bits(again, whole)
     assert again.tail.interactions == whole.tail.interactions
     np.testing.assert_array_equal(again.tail.bound.toarray(), whole.tail.bound.toarray())
@@ -84,7 +105,8 @@ def test_tiles_of_another_scene_are_made_again_even_beside_this_one_s_digest(tmp
     whole = rt.render(scene, save=tmp_path / "this", progress=False)
     for kept in (tmp_path / "other").glob("*-*"):
         kept.replace(tmp_path / "this" / kept.name)
-    assert same_bits(rt.render(scene, save=tmp_path / "this", progress=False), whole)
+    with pytest.warns(UserWarning, match="a tile of another scene: this tile was made again"):
+        assert same_bits(rt.render(scene, save=tmp_path / "this", progress=False), whole)
 
 
 @pytest.mark.parametrize("cut", [b"", b"0123", b"\xff" * 64])
@@ -129,7 +151,7 @@ def test_a_folder_of_another_scene_is_refused(tmp_path, change):
 def test_a_killed_render_resumes(tmp_path):
     script = (
         "import sys, importlib, symrt as rt; from dataclasses import replace;"
-        "importlib.import_module('symrt.linear.render').TILE = 100;"
+        "importlib.import_module('symrt.linear.tiles').SAMPLES = 100;"
         "s = rt.load_scene(sys.argv[1]); s = replace(s, camera=replace(s.camera, width=60, height=60));"
         "rt.render(s, save=sys.argv[2], workers=1, progress=False)"
     )
@@ -149,10 +171,10 @@ def test_a_whole_number_of_numpys_is_the_same_whole_number():
     assert list(described(np.int64(3))) == list(described(3))
 
 
-@pytest.mark.parametrize(("name", "other"), [("TILE", 200), ("__version__", "0.0.0")])
-def test_a_folder_of_another_version_or_other_tiles_is_refused(tmp_path, monkeypatch, name, other):
+@pytest.mark.parametrize(("room", "name", "other"), [("tiles", "SAMPLES", 200), ("job", "__version__", "0.0.0")])
+def test_a_folder_of_another_version_or_other_tiles_is_refused(tmp_path, monkeypatch, room, name, other):
     scene = two_materials(exponent=20)
     rt.render(scene, save=tmp_path, progress=False)
-    monkeypatch.setattr(import_module("symrt.linear.render"), name, other)
+    monkeypatch.setattr(import_module(f"symrt.linear.{room}"), name, other)
     with pytest.raises(ValueError, match="another scene or of other parameters"):
         rt.render(scene, save=tmp_path, progress=False)
