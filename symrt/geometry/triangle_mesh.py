@@ -107,11 +107,21 @@ class TriangleMesh:
 
     @cached_property
     def kernel(self) -> Kernel:
-        """Its compiled form, which needs no Embree: triangle by triangle, and the boxes of all levels in one array."""
+        """Its compiled form, which needs no Embree: a node's children, and a leaf's triangles, side by side."""
         boxes = np.concatenate([level.reshape(6, -1).T for level in self.tree.boxes])
-        corners, normals = self.corners.transpose(2, 0, 1), self.unit_normals.T
-        arrays = (self.tree.order, np.ascontiguousarray(boxes), self.tree.reach)
-        constants = (*arrays, np.ascontiguousarray(corners), np.ascontiguousarray(normals))
+        root = np.full((6, bvh.WAYS), np.nan)
+        root[:, 0] = boxes[0]
+        families = np.ascontiguousarray(boxes[1:].reshape(-1, bvh.WAYS, 6).transpose(0, 2, 1))
+        slots = np.where(self.tree.order >= 0, self.corners.reshape(9, -1)[:, self.tree.order], np.nan)
+        leaves = np.ascontiguousarray(slots.reshape(9, -1, bvh.LEAF).transpose(1, 0, 2))
+        constants = (
+            self.tree.order,
+            root,
+            families,
+            leaves,
+            np.ascontiguousarray(self.unit_normals.T),
+            self.tree.reach,
+        )
         return Kernel("symrt.geometry.fast.triangles", "mesh", constants)
 
     @cached_property
