@@ -4,20 +4,19 @@ A pixel is ``p_n(λ) = Σ_i g_{n,i} Γ_{i,λ}``.  `LinearSystem` holds the spars
 name of each column.  What made G knows no spectrum; what uses it knows no shape.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from symrt.errors import shown
+from symrt.nodes import Nodes
 from symrt.symbols import Symbol
 from symrt.table import html_table
 from symrt.written import written_terms
 
-MOST_NODES = 256
 BLACK = (0.0, ())
 """A term that is written as 0."""
 
@@ -55,63 +54,26 @@ class Interaction:
         """Number of reflectances met, with repetition."""
         return len(self.met)
 
-    def degree_in(self, symbols: frozenset[str] | set[str]) -> int:
-        """Total degree in the given symbols, lights or reflectances."""
-        return sum(name in symbols for name in (self.light, *self.met))
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The light and the reflectances met, with repetition: the spectra that are multiplied."""
+        return (self.light, *self.met)
 
 
-@dataclass(frozen=True)
-class Nodes:
-    """Chebyshev nodes that make a nonlinear parameter linear: f(θ) = Σ_j ℓ_j(θ) f(θ_j).
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Columns by their degrees in some groups of symbols: those of one block change alike when the groups are scaled.
 
-    References
+    Parameters
     ----------
-    J.-P. Berrut and L. N. Trefethen, "Barycentric Lagrange Interpolation", SIAM Review 46(3), 2004.
+    degrees
+        Of each block, in each group, sorted; the first are 0, whether or not there is such a column.
+    of
+        For each column, the number of its block.
     """
 
-    parameter: str
-    low: float
-    high: float
-    count: int
-    scale: Literal["linear", "log"] = "log"
-
-    def __post_init__(self) -> None:
-        given = f"nodes of {self.parameter}: {self.count} in [{self.low}, {self.high}], {self.scale}"
-        if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
-            raise ValueError(f"{given}: give a finite range, low below high")
-        if self.scale not in ("linear", "log") or (self.scale == "log" and self.low <= 0):
-            raise ValueError(f"{given}: the scale is 'linear', or 'log' for a range above 0")
-        if not 1 <= self.count <= MOST_NODES:
-            raise ValueError(f"{given}: give 1 to {MOST_NODES} nodes")
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The nodes θ_j, from high to low."""
-        low, high = self._transform(self.low), self._transform(self.high)
-        x = np.cos((2 * np.arange(self.count) + 1) * np.pi / (2 * self.count))
-        t = (low + high) / 2 + (high - low) / 2 * x
-        return tuple(float(v) for v in (np.exp(t) if self.scale == "log" else t))
-
-    def weights(self, value: float) -> Float[np.ndarray, " node"]:
-        """The Lagrange weights ℓ_j at a value; they sum to 1 and may be negative.
-
-        Examples
-        --------
-        >>> Nodes("brass.exponent", 5.0, 80.0, 3).weights(20.0).round(12).tolist()
-        [0.0, 1.0, 0.0]
-        """
-        if not self.low <= value <= self.high:
-            raise ValueError(f"{self.parameter} = {value}: the system was collapsed for [{self.low}, {self.high}]")
-        nodes = np.array([self._transform(v) for v in self.values])
-        difference = self._transform(value) - nodes
-        if np.any(difference == 0):
-            return (difference == 0).astype(float)
-        k = np.arange(self.count)
-        terms = (-1.0) ** k * np.sin((2 * k + 1) * np.pi / (2 * self.count)) / difference
-        return terms / terms.sum()
-
-    def _transform(self, value: float) -> float:
-        return float(np.log(value)) if self.scale == "log" else float(value)
+    degrees: Int[np.ndarray, "block group"]
+    of: Int[np.ndarray, " interaction"]
 
 
 Shares = tuple[tuple[tuple[str, ...], float], ...]
@@ -272,6 +234,73 @@ class LinearSystem:
         free_still = {name: nodes for name, nodes in self.parameters.items() if name not in weights}
         return replace(self, G=(self.G @ to).tocsr(), interactions=tuple(interactions), parameters=free_still)
 
+    def times(
+        self, spectra: Float[np.ndarray, "interaction *band"], pixels: Int[np.ndarray, " chosen"] | slice = slice(None)
+    ) -> Float[np.ndarray, "_ *band"]:
+        """Equation (2): the sum, over the columns, of a pixel's coefficient times what is given for the column.
+
+        Parameters
+        ----------
+        spectra
+            For each interaction a number, or one in each band: Γ, or what is made of it.  Sums are of its precision.
+        pixels
+            Their numbers, or a slice of all.
+
+        Examples
+        --------
+        >>> system = LinearSystem.of("0.5*sun*sea.diffuse", "0.25*sun*sea.diffuse + 0.1*sky*ice.diffuse")
+        >>> system.times(np.array([10.0, 4.0]))
+        array([2., 2.])
+        """
+        coefficients = self.G if isinstance(pixels, slice) and pixels == slice(None) else self.G[pixels]
+        return coefficients.astype(spectra.dtype, copy=False) @ spectra
+
+    def terms(self, pixel: int) -> tuple[tuple[Interaction, float], ...]:
+        """What a pixel is the sum of: interactions, each with its coefficient, without those of coefficient 0.
+
+        Examples
+        --------
+        >>> [(str(i), g) for i, g in LinearSystem.of("0.5*sun*sea.diffuse + 0.1*sky*sea.diffuse").terms(0)]
+        [('sky*sea.diffuse', 0.1), ('sun*sea.diffuse', 0.5)]
+        """
+        entries = slice(self.G.indptr[pixel], self.G.indptr[pixel + 1])
+        found = zip(self.G.indices[entries].tolist(), self.G.data[entries].tolist(), strict=True)
+        return tuple((self.interactions[column], g) for column, g in found if g != 0)
+
+    def blocks(self, *groups: Collection[str]) -> Blocks:
+        """The columns by their degrees in groups of symbols, such as those that each of some scales multiplies.
+
+        Examples
+        --------
+        >>> system = LinearSystem.of("0.5*key*brass.diffuse + 0.25*key*brass.diffuse*brass.mirror + key*sea.diffuse")
+        >>> blocks = system.blocks({"brass.diffuse", "brass.mirror"}, {"key"})
+        >>> blocks.degrees.tolist(), blocks.of.tolist()
+        ([[0, 0], [0, 1], [1, 1], [2, 1]], [2, 3, 1])
+        """
+        degrees = [[sum(name in group for name in i.symbols) for group in groups] for i in self.interactions]
+        rows = np.array([[0] * len(groups), *degrees], dtype=int)
+        found, of = np.unique(rows, axis=0, return_inverse=True)
+        return Blocks(found, of.reshape(-1)[1:])
+
+    def pixels_of(self, columns: Bool[np.ndarray, " interaction"]) -> Bool[np.ndarray, " pixel"]:
+        """The pixels in which some of the columns have a coefficient, and not a stored 0.
+
+        Examples
+        --------
+        >>> system = LinearSystem.of("0.5*sun*sea.diffuse", "0.25*sun*sea.diffuse + 0.1*sky*ice.diffuse")
+        >>> system.pixels_of(np.array([i.light == "sky" for i in system.interactions]))
+        array([False,  True])
+        """
+        if columns.all() and self.G.data.all():
+            return self.term_counts > 0
+        counted = columns[self.G.indices] & (self.G.data != 0)
+        return np.diff(np.append(0, np.cumsum(counted))[self.G.indptr]) > 0
+
+    @property
+    def term_counts(self) -> Int[np.ndarray, " pixel"]:
+        """How many coefficients each pixel has."""
+        return np.diff(self.G.indptr)
+
     @property
     def lights(self) -> tuple[str, ...]:
         """Names of the scene's lights, whether or not any pixel sees them."""
@@ -291,9 +320,7 @@ class LinearSystem:
     @property
     def object_pixels(self) -> Bool[np.ndarray, " pixel"]:
         """Pixels in which light reaches something: rows of G that are not empty, or all zeros."""
-        if self.G.data.all():
-            return np.diff(self.G.indptr) > 0
-        return np.diff(np.concatenate([[0], np.cumsum(self.G.data != 0)])[self.G.indptr]) > 0
+        return self.pixels_of(np.ones(len(self.interactions), dtype=bool))
 
     def __repr__(self) -> str:
         kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"

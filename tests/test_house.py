@@ -171,3 +171,26 @@ def test_one_module_knows_how_a_symbol_is_written():
         if takes_a_symbol_apart(node)
     }
     assert found == set()
+
+
+REACHED = {
+    "archives": {"saving.py"},
+    "another matrix is made of it": {"linear/render.py", "feedback/regions.py", "feedback/along.py"},
+    "rows of coefficients are compared, summed or parted by their signs": {
+        *("feedback/joint/outermost.py", "feedback/joint/objectives.py", "feedback/joint/posynomials.py"),
+        "feedback/paints.py",
+    },
+    "rows in a cache, and the largest number": {"spectra/shading.py"},
+    "its size is told": {"show/demo.py", "commands/scenes.py"},
+}
+"""Modules that reach into a system's matrix, by the reason why."""
+
+
+def test_a_system_is_asked_and_its_matrix_left_alone():
+    reached = {
+        str(path.relative_to(HOME / "symrt"))
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Attribute) and node.attr == "G"
+    }
+    assert reached - {"system.py"} == set().union(*REACHED.values())

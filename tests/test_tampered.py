@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from symrt.nodes import Nodes
 from symrt.saving import load_system, save_system
-from symrt.system import Interaction, LinearSystem, Nodes, Tail
+from symrt.system import Interaction, LinearSystem, Tail
 
 HOSTILE = (
     *("", "1", "a b", "a-b", "é", "a" * 65, "__import__('os')", "<script>", r"\href{javascript:alert(1)}{x}", r"$\x$"),

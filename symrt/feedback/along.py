@@ -172,12 +172,12 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
 
     # Expand Γ of every interaction in t; those that do not move keep theirs.
     given = gamma(system.interactions, palette)
-    moving = [not ends.keys().isdisjoint((i.light, *i.met)) for i in system.interactions]
+    blocks = system.blocks(ends)
+    degrees = blocks.degrees[blocks.of, 0]
     columns = [
-        _product(i, palette, ends) if moves else product[None]
-        for i, product, moves in zip(system.interactions, given, moving, strict=True)
+        _product(i, palette, ends) if degree else product[None]
+        for i, product, degree in zip(system.interactions, given, degrees.tolist(), strict=True)
     ]
-    degrees = np.array([len(c) - 1 for c in columns], dtype=int)
     degree = int(degrees.max(initial=0))
 
     # From nothing it is a power of t; any other line is raised to the common degree, in Bernstein's form.
@@ -194,9 +194,7 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
             (system.G if c.all() else system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)
         ),
         degrees=_degrees(system, np.where(changing, degrees, 0)),
-        terms=int(np.diff(system.G.indptr).max(initial=0))
-        + max((len(i.met) for i in system.interactions), default=0)
-        + 8,
+        terms=int(system.term_counts.max(initial=0)) + max((len(i.met) for i in system.interactions), default=0) + 8,
         signed=bool((system.G.data < 0).any()),
     )
 
@@ -204,7 +202,7 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
 def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends]) -> Float[np.ndarray, "power band"]:
     """Γ of one interaction as Σ e_k (1 − t)^(D−k) t^k, with D the number of its symbols that move."""
     product = np.ones((1, len(palette.bands)))
-    for name in (interaction.light, *interaction.met):
+    for name in interaction.symbols:
         if name not in ends:
             # An alternative that the palette does not name is no part of the picture.
             product = product * np.asarray(palette.spectra.get(name, 0.0))
@@ -225,8 +223,7 @@ def _bernstein(product: Float[np.ndarray, "power band"], degree: int) -> Float[n
 
 def _degrees(system: LinearSystem, columns: Int[np.ndarray, " interaction"]) -> Int[np.ndarray, " pixel"]:
     """The highest degree of the columns that each pixel has."""
-    pixel = np.repeat(np.arange(system.G.shape[0]), np.diff(system.G.indptr))
-    highest = np.zeros(system.G.shape[0], dtype=int)
+    highest = np.zeros(system.height * system.width, dtype=int)
     for degree in range(1, int(columns.max(initial=0)) + 1):
-        highest[pixel[(columns[system.G.indices] == degree) & (system.G.data != 0)]] = degree
+        highest[system.pixels_of(columns == degree)] = degree
     return highest

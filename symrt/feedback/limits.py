@@ -235,8 +235,7 @@ def reflectances(system: LinearSystem, palette: Palette, white: Spectrum, pixels
     >>> reflectances(system, palette, np.ones(3), np.array([1]))
     array([[0.2, 0.4, 0.8]])
     """
-    part = LinearSystem(system.G[pixels], system.interactions, 1, len(pixels), system.white, system.models)
-    return shade(part, palette).values[0] / white
+    return shade(system.rows(pixels), palette).values[0] / white
 
 
 def _parts(gamut: ConvexGamut | UnevenGamut) -> list[ConvexGamut | UnevenGamut]:

@@ -43,8 +43,8 @@ class Paints:
 
     Parameters
     ----------
-    G
-        Coefficients, (pixel × interaction).
+    part
+        The pixels, as a system.
     fixed
         For each interaction the product of its spectra that do not change.
     powers
@@ -59,7 +59,7 @@ class Paints:
         Numbers added and multiplied for a pixel, which bound its rounding.
     """
 
-    G: sparse.csr_array
+    part: LinearSystem
     fixed: Spectra
     powers: Int[np.ndarray, "_ mixture"]
     first: Float[np.ndarray, "mixture band"]
@@ -76,14 +76,14 @@ class Paints:
     @property
     def signed(self) -> bool:
         """True if something is subtracted, so that sums may be smaller than their terms."""
-        return bool((self.G.data < 0).any() or (self.matrix < 0).any())
+        return bool((self.part.G.data < 0).any() or (self.matrix < 0).any())
 
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Pixels) -> "Paints":
         """Some of the pixels, each spectrum times a matrix."""
         added = int((matrix != 0).sum(axis=0).max(initial=0))
         return replace(
             self,
-            G=self.G[rows],
+            part=self.part.rows(rows),
             matrix=self.matrix @ matrix,
             degrees=self.degrees[rows],
             terms=self.terms + added,
@@ -91,7 +91,8 @@ class Paints:
 
     def at(self, t: Number, rows: slice = slice(None)) -> Slabs:
         """The pixels at one value of the blend."""
-        return self.G[rows] @ (self.products(painted(self.first, self.last, np.array([float(t)])))[0] @ self.matrix)
+        mixtures = painted(self.first, self.last, np.array([float(t)]))
+        return self.part.times(self.products(mixtures)[0] @ self.matrix, rows)
 
     def points(self, rows: Pixels, t: Values) -> Slabs:
         """Some of the pixels, each at a value of its own."""
@@ -102,7 +103,7 @@ class Paints:
         if not self.signed:
             return np.zeros((1, 1))
         most = self.products(np.maximum(self.first, self.last)[None])[0] @ abs(self.matrix)
-        return (abs(self.G[rows]) @ most).max(axis=1, initial=0)[:, None]
+        return (abs(self.part.G[rows]) @ most).max(axis=1, initial=0)[:, None]
 
     def products(self, mixtures: Float[np.ndarray, "value mixture band"]) -> Float[np.ndarray, "value _ band"]:
         """Γ for each of some values of all mixtures."""
@@ -130,16 +131,15 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
 
     # Part the spectra of each interaction into fixed ones, multiplied, and mixtures, counted.
     moving = [name for name, (first, last) in ends.items() if (first != last).any()]
-    names = [(i.light, *i.met) for i in system.interactions]
+    names = [i.symbols for i in system.interactions]
     bands = len(palette.bands)
     known = {n: palette[n] if n in palette else np.zeros(bands) for row in names for n in row}
     fixed = [np.prod([np.ones(bands), *(known[n] for n in row if n not in moving)], axis=0) for row in names]
+    blocks = system.blocks(*([name] for name in moving))
     return Paints(
-        G=system.G,
+        part=replace(system, tail=None),
         fixed=np.array(fixed).reshape(-1, bands),
-        powers=np.array([[row.count(name) for name in moving] for row in names], dtype=int).reshape(
-            len(names), len(moving)
-        ),
+        powers=blocks.degrees[blocks.of],
         first=np.array([ends[name][0] for name in moving]).reshape(-1, bands),
         last=np.array([ends[name][1] for name in moving]).reshape(-1, bands),
         matrix=np.eye(bands),
@@ -192,7 +192,7 @@ def _room(line: Paints, bound: Bound, size: float) -> _Room:
 
 
 def _rows(line: Paints, rows: Pixels) -> Paints:
-    return replace(line, G=line.G[rows], degrees=line.degrees[rows])
+    return replace(line, part=line.part.rows(rows), degrees=line.degrees[rows])
 
 
 def _solved(line: Paints, room: _Room, within: tuple[Number, Number]) -> tuple[Spans, Pixels]:
@@ -201,7 +201,7 @@ def _solved(line: Paints, room: _Room, within: tuple[Number, Number]) -> tuple[S
     found = [Spans(pixels[:0], np.zeros(0), np.zeros(0))]
     rest = np.ones(len(pixels), dtype=bool)
     if not line.signed and ((line.matrix != 0).sum(axis=0) == 1).all():
-        sees = (line.G @ line.powers.astype(float)) > 0
+        sees = line.part.times(line.powers.astype(float)) > 0
         for m in range(len(line.first)):
             rows = np.flatnonzero((line.degrees == 1) & sees[:, m] & (sees.sum(axis=1) == 1))
             low, high, known = _roots(_rows(line, rows), m, room, within)
@@ -217,7 +217,7 @@ def _roots(
     """One interval for each row, and whether both its ends are certainly inside; empty ones are low > high."""
     # Part each row into a constant and a multiple of the mixture, band by band.
     order = line.powers.sum(axis=1)
-    still, moving = (line.G[:, order == k] @ (line.fixed[order == k] @ line.matrix) for k in (0, 1))
+    still, moving = (line.part.times(np.where((order == k)[:, None], line.fixed, 0) @ line.matrix) for k in (0, 1))
     band = line.matrix.argmax(axis=0)
     r0, r1 = line.first[mixture], line.last[mixture]
     a, b = r0[band], r1[band]
@@ -287,9 +287,9 @@ def _image(line: Paints, pixel: Pixels, low: Values, high: Values) -> tuple[Slab
     least, largest = dark @ plus + light @ minus, light @ plus + dark @ minus
 
     # Negative coefficients take the other side.
-    rows = line.G[pixel]
+    rows = line.part.G[pixel]
     # One row a piece, one column an interaction over one of the pieces of the range.
-    column = np.repeat(which, np.diff(rows.indptr)) * line.G.shape[1] + rows.indices
+    column = np.repeat(which, np.diff(rows.indptr)) * rows.shape[1] + rows.indices
     found = []
     for below, above in ((least, largest), (largest, least)):
         products = [side.reshape(-1, line.matrix.shape[1]) for side in (below, above)]

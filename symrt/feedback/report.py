@@ -219,13 +219,11 @@ class _Answer:
 
 
 def _image(system: LinearSystem, palette: Palette, pixels: Pixels, white: Spectrum) -> _Image:
-    coefficients = system.G[pixels]
-    coefficients.eliminate_zeros()
-    columns: dict[str, list[int]] = {}
-    for j, interaction in enumerate(system.interactions):
-        for material in {Symbol.of(symbol).material for symbol in interaction.met}:
-            columns.setdefault(material, []).append(j)
-    materials = {name: np.diff(coefficients[:, own].indptr) > 0 for name, own in sorted(columns.items())}
+    part = system.rows(pixels)
+    met = [{Symbol.of(symbol).material for symbol in interaction.met} for interaction in part.interactions]
+    materials = {
+        name: part.pixels_of(np.array([name in materials for materials in met])) for name in sorted(set().union(*met))
+    }
     places = np.stack([pixels % system.width, pixels // system.width], axis=1)
     return _Image(places, reflectances(system, palette, white, pixels), palette.bands, materials)
 

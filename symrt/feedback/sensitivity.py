@@ -165,11 +165,9 @@ def _called(parameter: Scale | Exposure) -> str:
 
 def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> dict[str, Spectrum]:
     """∂F/∂X of every spectrum X that the pixel depends on."""
-    row = system.G[[pixel]]
     found: dict[str, Spectrum] = defaultdict(lambda: np.zeros(len(slab)))
-    for column, g in zip(row.indices.tolist(), row.data.tolist(), strict=True):
-        interaction = system.interactions[column]
-        names = (interaction.light, *interaction.met)
+    for interaction, g in system.terms(pixel):
+        names = interaction.symbols
         if not all(name in palette for name in names):  # an alternative that is no part of the picture
             continue
         for k, name in enumerate(names):

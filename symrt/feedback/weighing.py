@@ -136,11 +136,7 @@ def pixels_of(system: LinearSystem, name: str) -> Mask:
         there = "" if "did you mean" in near else f"; there are {', '.join(whole)}"
         raise ValueError(f"nothing in the picture is called {near}: name a material or a light{there}")
     columns = np.array([name in names for names in named])
-    entry = columns[system.G.indices] & (system.G.data != 0)
-    pixel = np.repeat(np.arange(system.G.shape[0]), np.diff(system.G.indptr))[entry]
-    mask = np.zeros(system.G.shape[0], dtype=bool)
-    mask[pixel] = True
-    return mask.reshape(system.height, system.width)
+    return system.pixels_of(columns).reshape(system.height, system.width)
 
 
 def check_most(most: int) -> None:

@@ -13,10 +13,10 @@ import sympy
 from jaxtyping import Float
 
 from symrt.linear.functions import function_of
+from symrt.nodes import Nodes
 from symrt.reflection.polynomials import Monomial, monomials
 from symrt.reflection.symbols import Factor, Lobe, Parameter, lobe_values
 from symrt.symbols import named
-from symrt.system import Nodes
 
 NodeIndex = tuple[tuple[str, int], ...]
 

@@ -145,10 +145,8 @@ def _(source: Scene, x: Any, y: Any) -> Formula:
 @formula.register
 def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     pixel = _checked_pixel(x, y, source.width, source.height)
-    entries = slice(source.G.indptr[pixel], source.G.indptr[pixel + 1])
     terms = []
-    for column, g in zip(source.G.indices[entries], source.G.data[entries], strict=True):
-        interaction = source.interactions[column]
+    for interaction, g in source.terms(pixel):
         nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
         terms.append(sympy.Mul(number(g), Light(interaction.light), *map(Reflectance, interaction.met), *nodes))
     return Formula(sympy.Add(*terms))

@@ -8,10 +8,11 @@ import numpy as np
 from symrt.linear.bounds import largest
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.linear.corners import corners
+from symrt.nodes import Nodes
 from symrt.reflection.models import LIT
 from symrt.reflection.nodes import choose_nodes
 from symrt.symbols import Surface, named
-from symrt.system import Nodes, Shares
+from symrt.system import Shares
 from symrt.tracing.raytree import MaterialRecord
 
 Values = Mapping[str, float | int]

@@ -6,7 +6,7 @@ number of nodes is orders of magnitude worse.
 
 import numpy as np
 
-from symrt.system import Nodes
+from symrt.nodes import Nodes
 
 MOST = 32
 """Largest number of nodes that are tried."""

@@ -127,11 +127,12 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
     """
     names = materials(system)
     seen = [{str(Symbol.of(symbol).surface) for symbol in i.met} for i in system.interactions]
-    met = [[float(name in surfaces) for name in names] for surfaces in seen]
-    meeting = (abs(system.G).sign() @ np.array(met).reshape(-1, len(names)) > 0).sum(axis=1)
+    meeting = np.zeros(system.height * system.width, dtype=int)
+    for name in names:
+        meeting += system.pixels_of(np.array([name in surfaces for surfaces in seen]))
     y, x = np.divmod(np.arange(system.height * system.width), system.width)
     away = (2 * x - system.width) ** 2 + (2 * y - system.height) ** 2
-    best = np.lexsort((away, -np.diff(system.G.indptr), -meeting))[0]
+    best = np.lexsort((away, -system.term_counts, -meeting))[0]
     return int(x[best]), int(y[best])
 
 

@@ -88,7 +88,7 @@ def shade(
         spectra = spectra @ vectors.T
         cut_off = None if cut_off is None else _in_basis(vectors, cut_off)
     _check_range(system, spectra, np.finfo(dtype))
-    values = system.G.astype(dtype, copy=False) @ spectra.astype(dtype, copy=False)
+    values = system.times(spectra.astype(dtype, copy=False))
     return SpectralImage(
         values=values.reshape(system.height, system.width, spectra.shape[1]),
         bands=palette.bands if vectors is None else coordinates(len(vectors)),
@@ -102,7 +102,7 @@ def _vanished(interactions: Sequence[Interaction], spectra: Gamma, palette: Pale
     """Bands in which the product of some interaction is 0 although none of its factors is."""
     vanished = np.zeros(len(palette.bands), dtype=bool)
     for row in np.flatnonzero((spectra == 0).any(axis=1)).tolist():
-        names = (interactions[row].light, *interactions[row].met)
+        names = interactions[row].symbols
         if not interactions[row].nodes and all(name in palette for name in names):
             factors = np.array([palette[name] for name in names])
             vanished |= (spectra[row] == 0) & (factors > 0).all(axis=0)
@@ -175,7 +175,7 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     >>> gamma([twice], Palette(RGB, {"sun": 2, "red.mirror": [0.5, 0.1, 0]}))
     array([[0.5 , 0.02, 0.  ]])
     """
-    factors = [(i.light, *i.met) for i in interactions]
+    factors = [i.symbols for i in interactions]
     symbols = sorted({name for names in factors for name in names})
     check_symbols(symbols, palette)
     # The last row, of ones, fills up the interactions that met less than others did.
@@ -242,7 +242,7 @@ def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
 
 def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
     """True where light is left in a column: no factor is zero, however small the product."""
-    names = [{i.light, *i.met} for i in tail.interactions]
+    names = [set(i.symbols) for i in tail.interactions]
     left = [np.all([_known(name, palette) > 0 for name in factors], axis=0) for factors in names]
     return np.array(left, dtype=bool).reshape(len(left), len(palette.bands))
 

@@ -10,6 +10,13 @@ from symrt.feedback import Scale, fit
 from symrt.feedback.joint import filling, objectives
 from symrt.feedback.joint.outermost import outermost
 from symrt.gamut import device_gamut
+from symrt.system import Interaction, LinearSystem
+
+
+def unnamed(matrix):
+    """A system of one row of pixels, whose columns are lights without names of their own."""
+    columns = tuple(Interaction(f"light{k}") for k in range(matrix.shape[1]))
+    return LinearSystem(sparse.csr_array(matrix), columns, 1, matrix.shape[0], {i.light: 1.0 for i in columns})
 
 
 def some_systems():
@@ -27,7 +34,7 @@ def some_systems():
 def test_the_extreme_of_every_sum_is_among_them(matrix, upper):
     random = np.random.default_rng(1)
     pixels = np.flatnonzero(np.diff(matrix.indptr))
-    found = outermost(matrix, pixels, upper=upper)
+    found = outermost(unnamed(matrix), pixels, upper=upper)
     assert np.isin(found, pixels).all()
     assert (np.diff(found) > 0).all()
     support = np.unique(matrix[pixels].toarray() > 0, axis=0)
@@ -46,9 +53,9 @@ def test_the_extreme_of_every_sum_is_among_them(matrix, upper):
 def test_few_are_left_of_a_smooth_picture_and_one_of_equal_pixels():
     t, s = np.meshgrid(np.linspace(0, 1, 100), np.linspace(0, 1, 100))
     matrix = sparse.csr_array(np.column_stack([(t * s).ravel() + 0.1, (1 - t**2).ravel() + 0.1]))
-    assert len(outermost(matrix, np.arange(10000))) <= 200
-    assert outermost(sparse.csr_array(np.ones((50, 3))), np.arange(7, 50)).tolist() == [7]
-    assert not len(outermost(sparse.csr_array((4, 3)), np.arange(4)))
+    assert len(outermost(unnamed(matrix), np.arange(10000))) <= 200
+    assert outermost(unnamed(np.ones((50, 3))), np.arange(7, 50)).tolist() == [7]
+    assert not len(outermost(unnamed(np.zeros((4, 3))), np.arange(4)))
 
 
 @pytest.mark.parametrize("black", ["clip", "luminance"])
@@ -58,7 +65,7 @@ def test_fits_are_the_same_with_every_pixel(monkeypatch, goal, black):
     gamut = device_gamut(load_device("dye3-endura-premier"), "envelope", black)
     few = fit(image, colours, gamut, scales, objective=goal, cap=False)
     for module in (filling, objectives):
-        monkeypatch.setattr(module, "outermost", lambda coefficients, pixels, *, upper=True: pixels)  # noqa: ARG005
+        monkeypatch.setattr(module, "outermost", lambda system, pixels, *, upper=True: pixels)  # noqa: ARG005
     every = fit(image, colours, gamut, scales, objective=goal, cap=False)
     assert few.values == pytest.approx(every.values, rel=1e-7 if goal == "contrast" else 1e-11)
     assert few.reasons == every.reasons

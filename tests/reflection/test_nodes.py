@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
+from symrt.nodes import Nodes
 from symrt.reflection.nodes import choose_nodes, interpolation_error
-from symrt.system import Nodes
 
 
 @pytest.mark.parametrize(("low", "high", "tolerance"), [(5.0, 80.0, 2e-4), (5.0, 80.0, 3e-6), (1.0, 200.0, 5e-5)])

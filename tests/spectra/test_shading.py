@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from symrt.nodes import Nodes
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma, preview, shade, tail_bound
 from symrt.spectra.viewing import to_rgb
-from symrt.system import Interaction, LinearSystem, Nodes, Tail
+from symrt.system import Interaction, LinearSystem, Tail
 
 BANDS = wavelengths(380, 730, 10)
 INTERACTIONS = (

@@ -121,7 +121,7 @@ def _seen(task: Task, found: Filled) -> Int[np.ndarray, " pixel"]:
 
 
 def _mean(task: Task, palette: Palette, pixels: Int[np.ndarray, " pixel"], most: float = np.inf) -> float:
-    light: Float[np.ndarray, " pixel"] = task.system.G[pixels] @ (
-        gamma(task.system.interactions, palette) @ task.asked.luminance
+    light: Float[np.ndarray, " pixel"] = task.system.times(
+        gamma(task.system.interactions, palette) @ task.asked.luminance, pixels
     )
     return float(np.minimum(light, most).mean()) if len(pixels) else 0.0

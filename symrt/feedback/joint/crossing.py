@@ -66,7 +66,7 @@ class Image(NamedTuple):
 
     def only(self, chosen: Mask) -> "Image":
         """Some of the pixels that may bind."""
-        part = _part(self.part, np.flatnonzero(chosen))
+        part = self.part.rows(np.flatnonzero(chosen))
         return self._replace(pixels=self.pixels[chosen], part=part, dark=self.dark[chosen], apart=self.apart[chosen])
 
 
@@ -91,7 +91,7 @@ def image(plane: Plane) -> Image:
         counted = inside_at(first.seen(dark.matrix, moving), dark, given_value(plane.one))
     binding = counted | _may_bind(plane, moving, first.signed)
     pixels = moving[binding]
-    part, nothing = _part(system, pixels), np.zeros(0, dtype=int)
+    part, nothing = replace(system, tail=None).rows(pixels), np.zeros(0, dtype=int)
     return Image(pixels, part, counted[binding], _apart(plane, part), len(objects), still[~inside], nothing)
 
 
@@ -153,10 +153,6 @@ def _joined(touched: Pixels, found: Spans, inside: Pixels, within: tuple[float, 
         np.concatenate([found.low, np.full(len(inside), within[0])]),
         np.concatenate([found.high, np.full(len(inside), within[1])]),
     )
-
-
-def _part(system: LinearSystem, rows: Pixels) -> LinearSystem:
-    return LinearSystem(system.G[rows], system.interactions, 1, len(rows), system.white, system.models)
 
 
 def _may_bind(plane: Plane, pixels: Pixels, signed: bool) -> Mask:

@@ -125,7 +125,7 @@ def lightest(task: Task, budget: int = 0) -> Filled:
         spared = touched[limit < reached]
         out, rows, budget = np.append(out, spared), np.setdiff1d(rows, spared), budget - len(spared)
         if len(spared) and not budget:
-            rows = outermost(task.system.G, rows)
+            rows = outermost(task.system, rows)
         touched, limit, level = touched[limit >= reached], limit[limit >= reached], max(level, reached)
 
         # Freeze the scales that a pixel, the cap or the range stops there.
@@ -158,12 +158,12 @@ def _first_limits(task: Task, *, every: bool) -> tuple[Pixels, Pixels]:
     # Ask the pixels that the scales move at the low end.
     line, bound, (low, high) = task.line({}, frozenset(task.symbols)), task.asked.upper, task.within
     touched = np.setdiff1d(np.flatnonzero(line.touched), task.left_out, assume_unique=True)
-    rows = touched if every else outermost(task.system.G, touched)
+    rows = touched if every else outermost(task.system, touched)
     inside = _inside(line, bound, rows, low)
     if not every and not inside.all():
         # What is outside hides what it decided for.
         inside = _inside(line, bound, touched, low)
-        rows = np.union1d(outermost(task.system.G, touched[inside]), touched[~inside])
+        rows = np.union1d(outermost(task.system, touched[inside]), touched[~inside])
         inside = _inside(line, bound, rows, low)
 
     # Pixels that are inside at the high end, too, never bind.
@@ -244,9 +244,9 @@ def _stopped(
     meets = value >= bound.upper * (1 - NEARLY) if end.kind == "upper" else value <= bound.lower * (1 + NEARLY)
 
     # Find the symbols that light it there.
-    columns = [task.system.interactions[k] for k in task.system.G[row].indices]
+    columns = [interaction for interaction, _ in task.system.terms(end.pixel)]
     lights = (gamma(columns, task.painted(values)) @ bound.matrix[:, meets] > 0).any(axis=1)
-    symbols = {name for i, lit in zip(columns, lights, strict=True) if lit for name in (i.light, *i.met)}
+    symbols = {name for i, lit in zip(columns, lights, strict=True) if lit for name in i.symbols}
 
     why = reason(line, task.asked, end, level, task.system.width)
     stopped = {name: why for name in sorted(free) if symbols & task.symbols[name]}

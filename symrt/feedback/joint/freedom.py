@@ -167,7 +167,7 @@ def _between(
         return (np.exp(start), np.exp(start)), NOTHING
 
     # The variables are the logarithms at the top, and then at the bottom.
-    deciding = outermost(task.system.G, counted, upper=False)
+    deciding = outermost(task.system, counted, upper=False)
     dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
     eye, none = np.eye(n), np.zeros((n, n))
     planes = Planes(np.block([[eye, none], [none, -eye]]), np.concatenate([found.high, -found.low]))

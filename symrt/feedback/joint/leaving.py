@@ -164,7 +164,7 @@ def _on_the_way(search: _Search, y: Point, aim: Point) -> Pixels:
     # Only what is inside here and outside there comes out: a pixel allows a part of the line without gaps.
     image = search.image
     there = np.flatnonzero((image.brightest(aim)[0] > 1) | (image.brightest(y)[0] > 1))
-    close = replace(image, G=image.G[there], pixels=image.pixels[there])
+    close = replace(image, part=image.part.rows(there), pixels=image.pixels[there])
 
     near, far = 0.0, 1.0
     for _ in range(LINE_HALVINGS):

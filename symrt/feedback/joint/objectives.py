@@ -158,7 +158,7 @@ def _finished(
     if task.asked.dark is not None and start is not None:
         free = {name: task.symbols[name] for name in found.names}
         counted = counted_pixels(task, task.asked.dark, start, allowed_dark)
-        deciding = outermost(task.system.G, counted, upper=False)
+        deciding = outermost(task.system, counted, upper=False)
         dark = sliders(task.system, task.painted(found.pinned), free, task.asked.dark, deciding, upper=False)
         programme = replace(programme, dark=dark)
 
@@ -216,6 +216,6 @@ def _pixels(task: Task, mask: Mask) -> Pixels:
 def _extremes(task: Task) -> tuple[Pixels, Pixels]:
     """The lightest and the darkest pixels of the image given."""
     objects = np.flatnonzero(task.system.object_pixels)
-    luminance = task.system.G[objects] @ (gamma(task.system.interactions, task.palette) @ task.asked.luminance)
+    luminance = task.system.times(gamma(task.system.interactions, task.palette) @ task.asked.luminance, objects)
     low, high = np.percentile(luminance, (BOTTOM, TOP)) if len(objects) else (0.0, 0.0)
     return objects[luminance >= high], objects[(luminance <= low) & (luminance > 0)]

@@ -16,6 +16,8 @@ from jaxtyping import Float, Int
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
+from symrt.system import LinearSystem
+
 Pixels = Int[np.ndarray, " _"]
 COMPARISONS = 64
 """Comparisons of one pixel with all others of the same interactions; a hull, or nobody, judges the rest."""
@@ -23,16 +25,16 @@ DIMENSIONS = 5
 """Hulls in more dimensions have too many faces."""
 
 
-def outermost(coefficients: sparse.csr_array, pixels: Pixels, *, upper: bool = True) -> Pixels:
+def outermost(system: LinearSystem, pixels: Pixels, *, upper: bool = True) -> Pixels:
     """Those of some pixels, sorted, that bound all of them from above, or from below.
 
     Examples
     --------
-    >>> G = sparse.csr_array([[0.5, 0.25], [0.25, 0.25], [0.25, 0.5], [0.75, 0.0], [1.0, 0.0]])
-    >>> outermost(G, np.arange(5)), outermost(G, np.arange(5), upper=False)
-    (array([0, 2, 4]), array([1, 3]))
+    >>> system = LinearSystem.of("0.5*sun", "0.25*sun", "0.25*sun + 0.5*sky", "0.5*sun + 0.25*sky")
+    >>> outermost(system, np.arange(4)), outermost(system, np.arange(4), upper=False)
+    (array([0, 2, 3]), array([1, 2, 3]))
     """
-    rows = sparse.csr_array(coefficients[pixels])
+    rows = sparse.csr_array(system.G[pixels])
     rows.sum_duplicates()
     rows.eliminate_zeros()
     lengths = np.diff(rows.indptr)

@@ -10,12 +10,11 @@ References
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import sparse
 
 from symrt.feedback.bounds import Bound
 from symrt.spectra.palette import Palette
@@ -75,8 +74,8 @@ class Sliders:
 
     Parameters
     ----------
-    G
-        Coefficients of those pixels.
+    part
+        Those pixels, as a system.
     spectra
         Γ through the bound's matrix, divided by the bound.
     monomial
@@ -87,7 +86,7 @@ class Sliders:
         The pixels' numbers in the picture.
     """
 
-    G: sparse.csr_array
+    part: LinearSystem
     spectra: Float[np.ndarray, "interaction slab"]
     monomial: Int[np.ndarray, " interaction"]
     exponents: Float[np.ndarray, "monomial scale"]
@@ -96,7 +95,7 @@ class Sliders:
     @cached_property
     def still(self) -> Bool[np.ndarray, "pixel slab"]:
         """Bands that no scale moves."""
-        return self.G @ np.where(self.monomial[:, None] > 0, self.spectra, 0.0) == 0
+        return self.part.times(np.where(self.monomial[:, None] > 0, self.spectra, 0.0)) == 0
 
     def brightest(self, y: Point) -> tuple[Float[np.ndarray, " pixel"], Int[np.ndarray, " pixel"]]:
         """Each pixel's largest share of a bound at y, and in which band, of those that some scale moves."""
@@ -113,14 +112,14 @@ class Sliders:
         value, slab = np.empty(len(self.pixels)), np.empty(len(self.pixels), dtype=int)
         for start in range(0, len(value), SHARES_AT_ONCE):
             rows = slice(start, start + SHARES_AT_ONCE)
-            shares = np.where(self.still[rows], ignored, self.G[rows] @ factors)
+            shares = np.where(self.still[rows], ignored, self.part.times(factors, rows))
             slab[rows] = choose(shares, axis=1)
             value[rows] = np.take_along_axis(shares, slab[rows, None], axis=1)[:, 0]
         return value, slab
 
     def rows(self, pixel: Rows, slab: Rows) -> Posynomials:
         """Some of the pixels' bands; pixels are counted in this object."""
-        terms = self.G[pixel].toarray() * self.spectra[:, slab].T
+        terms = self.part.G[pixel].toarray() * self.spectra[:, slab].T
         members = np.zeros((len(self.monomial), len(self.exponents)))
         members[np.arange(len(self.monomial)), self.monomial] = 1.0
         with np.errstate(divide="ignore"):
@@ -130,10 +129,9 @@ class Sliders:
         """For each monomial but the constant the pixel and the band in which it is largest."""
         found = []
         for m in range(1, len(self.exponents)):
-            mine = np.flatnonzero(self.monomial == m)
-            part = self.G[:, mine] @ self.spectra[mine]
-            if part.any():
-                found.append(np.unravel_index(part.argmax(), part.shape))
+            mine = self.part.times(np.where((self.monomial == m)[:, None], self.spectra, 0.0))
+            if mine.any():
+                found.append(np.unravel_index(mine.argmax(), mine.shape))
         pairs = np.unique(np.array(found, dtype=int).reshape(-1, 2), axis=0)
         return pairs[:, 0], pairs[:, 1]
 
@@ -163,18 +161,14 @@ def sliders(
     # Each interaction has a degree in each scale; interactions of the same degrees share a monomial.
     against = bound.upper if upper else bound.lower
     bounding = _bounding(against)
-    degrees = np.array([[i.degree_in(s) for s in scales.values()] for i in system.interactions], dtype=int)
-    degrees = degrees.reshape(len(system.interactions), len(scales))
-    exponents, monomial = np.unique(
-        np.vstack([np.zeros((1, len(scales)), dtype=int), degrees]), axis=0, return_inverse=True
-    )
+    blocks = system.blocks(*scales.values())
 
     # Divide the spectra by the bounds that there are: finite, and above 0.
     return Sliders(
-        G=system.G[pixels],
+        part=replace(system, tail=None).rows(pixels),
         spectra=gamma(system.interactions, palette) @ bound.matrix[:, bounding] / against[bounding],
-        monomial=monomial.reshape(-1)[1:],
-        exponents=exponents.astype(float),
+        monomial=blocks.of,
+        exponents=blocks.degrees.astype(float),
         pixels=pixels,
     )
 

@@ -1,0 +1,63 @@
+"""Nodes: how a parameter of a formula stays free in a system that is linear (between steps 2 and 3 of the paper)."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+MOST_NODES = 256
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Chebyshev nodes that make a nonlinear parameter linear: f(θ) = Σ_j ℓ_j(θ) f(θ_j).
+
+    References
+    ----------
+    J.-P. Berrut and L. N. Trefethen, "Barycentric Lagrange Interpolation", SIAM Review 46(3), 2004.
+    """
+
+    parameter: str
+    low: float
+    high: float
+    count: int
+    scale: Literal["linear", "log"] = "log"
+
+    def __post_init__(self) -> None:
+        given = f"nodes of {self.parameter}: {self.count} in [{self.low}, {self.high}], {self.scale}"
+        if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
+            raise ValueError(f"{given}: give a finite range, low below high")
+        if self.scale not in ("linear", "log") or (self.scale == "log" and self.low <= 0):
+            raise ValueError(f"{given}: the scale is 'linear', or 'log' for a range above 0")
+        if not 1 <= self.count <= MOST_NODES:
+            raise ValueError(f"{given}: give 1 to {MOST_NODES} nodes")
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The nodes θ_j, from high to low."""
+        low, high = self._transform(self.low), self._transform(self.high)
+        x = np.cos((2 * np.arange(self.count) + 1) * np.pi / (2 * self.count))
+        t = (low + high) / 2 + (high - low) / 2 * x
+        return tuple(float(v) for v in (np.exp(t) if self.scale == "log" else t))
+
+    def weights(self, value: float) -> Float[np.ndarray, " node"]:
+        """The Lagrange weights ℓ_j at a value; they sum to 1 and may be negative.
+
+        Examples
+        --------
+        >>> Nodes("brass.exponent", 5.0, 80.0, 3).weights(20.0).round(12).tolist()
+        [0.0, 1.0, 0.0]
+        """
+        if not self.low <= value <= self.high:
+            raise ValueError(f"{self.parameter} = {value}: the system was collapsed for [{self.low}, {self.high}]")
+        nodes = np.array([self._transform(v) for v in self.values])
+        difference = self._transform(value) - nodes
+        if np.any(difference == 0):
+            return (difference == 0).astype(float)
+        k = np.arange(self.count)
+        terms = (-1.0) ** k * np.sin((2 * k + 1) * np.pi / (2 * self.count)) / difference
+        return terms / terms.sum()
+
+    def _transform(self, value: float) -> float:
+        return float(np.log(value)) if self.scale == "log" else float(value)
