@@ -42,7 +42,8 @@ _NAMES = {
     "symrt.tracing": ["RayTree", "plan", "probe", "trace"],
     "symrt.linear": ["Formula", "coefficient_matrix", "collapse", "expressions", "formula", "linear_form", "render"],
     "symrt.saving": ["load_system", "save_system"],
-    "symrt.system": ["Interaction", "LinearSystem"],
+    "symrt.interactions": ["Interaction"],
+    "symrt.system": ["LinearSystem"],
     # 3: shade
     "symrt.spectra": [
         "RGB",

@@ -13,9 +13,10 @@ from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.errors import plain, shown
+from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
-from symrt.system import Interaction, LinearSystem, Shares, Tail
+from symrt.system import LinearSystem, Shares, Tail
 
 KIND = Kind("system", 2, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30

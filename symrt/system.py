@@ -11,70 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from symrt.errors import shown
+from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
-from symrt.symbols import Symbol
 from symrt.table import html_table
-from symrt.written import written_terms
-
-BLACK = (0.0, ())
-"""A term that is written as 0."""
-
-
-@dataclass(frozen=True, order=True)
-class Interaction:
-    """One light and the reflectances it met on its way to the eye: the name of a column of G.
-
-    Parameters
-    ----------
-    light
-        Name of the light.
-    met
-        Names of the reflectance symbols, ``material.component``: sorted, because they commute, or in the order in which
-        light met them where that was asked for.
-    nodes
-        ``(parameter, index)`` for each free parameter whose node this column belongs to.
-
-    Examples
-    --------
-    >>> str(Interaction("sun", ("sea.diffuse", "sea.mirror", "sea.mirror")))
-    'sun*sea.diffuse*sea.mirror**2'
-    """
-
-    light: str
-    met: tuple[str, ...] = ()
-    nodes: tuple[tuple[str, int], ...] = ()
-
-    def __str__(self) -> str:
-        powers = [f"{name}**{k}" if (k := self.met.count(name)) > 1 else name for name in dict.fromkeys(self.met)]
-        return "*".join([self.light, *powers, *(f"node({name},{j})" for name, j in self.nodes)])
-
-    @property
-    def degree(self) -> int:
-        """Number of reflectances met, with repetition."""
-        return len(self.met)
-
-    @property
-    def symbols(self) -> tuple[str, ...]:
-        """The light and the reflectances met, with repetition: the spectra that are multiplied."""
-        return (self.light, *self.met)
-
-
-@dataclass(frozen=True, eq=False)
-class Blocks:
-    """Columns by their degrees in some groups of symbols: those of one block change alike when the groups are scaled.
-
-    Parameters
-    ----------
-    degrees
-        Of each block, in each group, sorted; the first are 0, whether or not there is such a column.
-    of
-        For each column, the number of its block.
-    """
-
-    degrees: Int[np.ndarray, "block group"]
-    of: Int[np.ndarray, " interaction"]
-
 
 Shares = tuple[tuple[tuple[str, ...], float], ...]
 """Terms of a sum: reflectances, and a number that multiplies them."""
@@ -173,7 +112,7 @@ class LinearSystem:
         >>> system.G.toarray().tolist()
         [[0.0, 0.5], [0.1, 0.25]]
         """
-        rows = [[_written(term, text) for term in written_terms(text) if term != BLACK] for text in pixels]
+        rows = [written(text) for text in pixels]
         interactions = sorted({interaction for row in rows for interaction, _ in row})
         place = {interaction: k for k, interaction in enumerate(interactions)}
         entries = [(n, place[i], g) for n, row in enumerate(rows) for i, g in row]
@@ -277,10 +216,7 @@ class LinearSystem:
         >>> blocks.degrees.tolist(), blocks.of.tolist()
         ([[0, 0], [0, 1], [1, 1], [2, 1]], [2, 3, 1])
         """
-        degrees = [[sum(name in group for name in i.symbols) for group in groups] for i in self.interactions]
-        rows = np.array([[0] * len(groups), *degrees], dtype=int)
-        found, of = np.unique(rows, axis=0, return_inverse=True)
-        return Blocks(found, of.reshape(-1)[1:])
+        return blocks_of(self.interactions, groups)
 
     def pixels_of(self, columns: Bool[np.ndarray, " interaction"]) -> Bool[np.ndarray, " pixel"]:
         """The pixels in which some of the columns have a coefficient, and not a stored 0.
@@ -331,14 +267,3 @@ class LinearSystem:
         rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
         table = html_table(("interaction", "degree", "pixels"), rows)
         return f"<p>{self.width} × {self.height} pixels</p>{table}"
-
-
-def _written(term: tuple[float, tuple[str, ...]], text: str) -> tuple[Interaction, float]:
-    """A term that was written, as an interaction and its coefficient."""
-    coefficient, names = term
-    symbols = [Symbol.of(name) for name in names]
-    lights = [symbol.light for symbol in symbols if symbol.light]
-    if len(lights) != 1:
-        raise ValueError(f"{shown(text)}: {len(lights)} lights in a term; every path of light starts at exactly one")
-    met = sorted(name for name, symbol in zip(names, symbols, strict=True) if symbol.reflectance)
-    return Interaction(lights[0], tuple(met)), coefficient

@@ -9,7 +9,8 @@ from scipy import sparse
 import symrt as rt
 from symrt.archives import read_archive, write_archive
 from symrt.gamut.files import KIND, load_gamut, save_gamut
-from symrt.system import Interaction, LinearSystem
+from symrt.interactions import Interaction
+from symrt.system import LinearSystem
 from symrt.table import html_table, text_table
 
 CONTROLS = ("a\x1b]0;owned\x07", "a\x9b2J", "a\nb", "a\u202eb", "\x00")

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import sparse
 
-from symrt.system import Interaction, LinearSystem
+from symrt.interactions import Interaction
+from symrt.system import LinearSystem
 
 LIGHTS, REFLECTANCES = ("sky", "sun"), ("ice.diffuse", "sea.diffuse", "sea.mirror", "sea>ice.diffuse")
 COLUMNS = sorted(

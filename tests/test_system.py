@@ -13,9 +13,10 @@ import pytest
 from scipy import sparse
 
 import symrt.saving as module
+from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.saving import load_system, save_system
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 
 INTERACTIONS = (
     Interaction("sky", ("sea.diffuse",)),

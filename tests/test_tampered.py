@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.saving import load_system, save_system
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 
 HOSTILE = (
     *("", "1", "a b", "a-b", "é", "a" * 65, "__import__('os')", "<script>", r"\href{javascript:alert(1)}{x}", r"$\x$"),

@@ -5,7 +5,8 @@ import pytest
 from scenes_for_tests import every_scene, small
 
 import symrt as rt
-from symrt.system import Interaction, LinearSystem
+from symrt.interactions import Interaction
+from symrt.system import LinearSystem
 from symrt.written import written_terms
 
 

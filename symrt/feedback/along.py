@@ -20,10 +20,11 @@ from scipy import sparse
 
 from symrt.feedback.bounds import Sizes
 from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
+from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 Gamma = Float[np.ndarray, "_ band"]
 

@@ -17,7 +17,7 @@ def line_of(system: LinearSystem, palette: Palette, parameter: Parameter) -> Lin
     >>> from scipy import sparse
     >>> from symrt.feedback.parameters import Blend
     >>> from symrt.spectra.bands import RGB
-    >>> from symrt.system import Interaction
+    >>> from symrt.interactions import Interaction
     >>> columns = (Interaction("key", ("ice.diffuse",)), Interaction("key", ("sea.diffuse",)))
     >>> system = LinearSystem(sparse.csr_array([[0.0, 1.0]]), columns, height=1, width=1, white={"key": 1.0})
     >>> palette = Palette(RGB, {"key": 1.0, "sea.diffuse": 0.5, "ice.diffuse": 1.0})

@@ -12,9 +12,10 @@ from scipy import sparse
 
 from symrt.errors import require
 from symrt.feedback.weighing import Mask, check_mask
+from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.symbols import NAME, Surface, Symbol
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 
 Named = tuple[Interaction, ...]
 

@@ -11,10 +11,11 @@ from fractions import Fraction
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import did_you_mean
 from symrt.symbols import Symbol
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 LARGEST_SUM = 61
 """Weights add up to less than 2⁶², so that no share is off by more than 2⁻⁴³ with half a million pixels."""
@@ -122,7 +123,7 @@ def pixels_of(system: LinearSystem, name: str) -> Mask:
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.system import Interaction
+    >>> from symrt.interactions import Interaction
     >>> columns = (Interaction("sun", ("brass.mirror", "sea.diffuse")), Interaction("sun", ("sea.diffuse",)))
     >>> coefficients = sparse.csr_array([[0.1, 0.2], [0.0, 0.3], [0.0, 0.0]])
     >>> system = LinearSystem(coefficients, columns, height=1, width=3, white={"sun": 1.0})

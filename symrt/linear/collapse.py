@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from symrt.errors import require
+from symrt.interactions import Interaction
 from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import (
     NOWHERE,
@@ -28,7 +29,7 @@ from symrt.linear.paths import (
     passing,
 )
 from symrt.linear.program import Free, Program, Values, make_program
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 from symrt.tracing.raytree import Emitted, Level, Lit, Points, RayTree
 
 

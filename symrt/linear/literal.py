@@ -9,10 +9,11 @@ from collections.abc import Iterable, Mapping
 import sympy
 from scipy import sparse
 
+from symrt.interactions import Interaction
 from symrt.linear.formulas import Formula
 from symrt.linear.functions import function_of
 from symrt.reflection.symbols import Factor, Light, Reflectance, lobe_value
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 
 def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:

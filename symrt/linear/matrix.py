@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import sparse
 
-from symrt.system import Interaction
+from symrt.interactions import Interaction
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,7 +104,7 @@ def materials(system: LinearSystem) -> tuple[str, ...]:
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.system import Interaction
+    >>> from symrt.interactions import Interaction
     >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse", "sea.mirror")))
     >>> materials(LinearSystem(sparse.csr_array((1, 2)), columns, height=1, width=1, white={"sun": 1.0}))
     ('ice', 'sea')
@@ -119,7 +119,7 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
     Examples
     --------
     >>> from scipy import sparse
-    >>> from symrt.system import Interaction
+    >>> from symrt.interactions import Interaction
     >>> columns = (Interaction("sun", ("ice.diffuse",)), Interaction("sun", ("sea.diffuse",)))
     >>> G = sparse.csr_array(np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 0.0]]))
     >>> telling_pixel(LinearSystem(G, columns, height=1, width=3, white={"sun": 1.0}))

@@ -17,13 +17,14 @@ from scipy import sparse
 
 from symrt.arrays import Spectrum
 from symrt.errors import require
+from symrt.interactions import Interaction
 from symrt.spectra.bands import Bands, Number, coordinates
 from symrt.spectra.display import check_exposure, display_matrix, to_rgb8
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
 from symrt.symbols import Symbol, named
-from symrt.system import Interaction, LinearSystem, Shares, Tail
+from symrt.system import LinearSystem, Shares, Tail
 
 Gamma = Float[np.ndarray, "interaction band"]
 Vectors = Float[np.ndarray, "component band"]

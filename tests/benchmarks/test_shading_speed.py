@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from symrt.interactions import Interaction
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma, preview, shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 SIDE = 512
 LIGHTS = ("fill", "key")

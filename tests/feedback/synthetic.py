@@ -3,9 +3,10 @@
 import numpy as np
 from scipy import sparse
 
+from symrt.interactions import Interaction
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.palette import Palette
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 BANDS = wavelengths(380, 730, 10)
 MATTE = ("deep", "shelf", "lowland", "upland", "mountain", "ice")

@@ -11,12 +11,13 @@ from symrt.device.colorimetry import tristimulus
 from symrt.feedback import Scale, adapt, feasible
 from symrt.feedback.parameters import Exposure, moved
 from symrt.gamut import device_gamut, intersection
+from symrt.interactions import Interaction
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import colour_science, observer, spectrum
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 colour = colour_science()
 

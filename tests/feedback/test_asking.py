@@ -15,10 +15,11 @@ from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved, moved_ends
 from symrt.feedback.weighing import Weighed
 from symrt.gamut import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 IMAGE, SMALL, COLOURS = system(height=6, width=6, seed=3), system(height=2, width=4, seed=3), palette(seed=3)
 LARGER = system(height=8, width=8, seed=3)

@@ -13,10 +13,11 @@ from symrt.device.inks import load_device
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut.slabs import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 ENVELOPE = device_gamut(load_device("dye3-endura-premier"), "envelope")
 STRICT = device_gamut(load_device("dye3-endura-premier"), "envelope", "strict")

@@ -10,10 +10,11 @@ from scipy import sparse
 from symrt.device import load_device
 from symrt.feedback import Exposure, Scale, feasible, fit, safe_box
 from symrt.gamut import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
 UNIT = device_gamut(DEVICE)

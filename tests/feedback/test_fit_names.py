@@ -10,9 +10,9 @@ from scipy import sparse
 from symrt.device.inks import load_device
 from symrt.feedback import Scale, fit
 from symrt.gamut.slabs import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
-from symrt.system import Interaction
 
 IMAGE, COLOURS = system(height=5, width=10), palette()
 MATERIALS, FEW = ("brass", *MATTE), ("key", "brass", "ice")

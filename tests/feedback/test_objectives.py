@@ -12,11 +12,12 @@ from scipy.optimize import linprog, minimize
 from symrt.device.inks import load_device
 from symrt.feedback import Exposure, Scale, feasible, fit
 from symrt.gamut.slabs import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import gamma
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
 UNIT, ENVELOPE = device_gamut(DEVICE, "unit"), device_gamut(DEVICE, "envelope")

@@ -10,7 +10,8 @@ from symrt.feedback import Scale, fit
 from symrt.feedback.joint import filling, objectives
 from symrt.feedback.joint.outermost import outermost
 from symrt.gamut import device_gamut
-from symrt.system import Interaction, LinearSystem
+from symrt.interactions import Interaction
+from symrt.system import LinearSystem
 
 
 def unnamed(matrix):

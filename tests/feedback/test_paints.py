@@ -19,11 +19,12 @@ from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut.hull import hull_gamut
 from symrt.gamut.slabs import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
 UNIT, ENVELOPE = device_gamut(DEVICE, "unit"), device_gamut(DEVICE, "envelope")

@@ -15,11 +15,12 @@ from scipy import sparse
 import symrt
 from symrt.feedback.along import along
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
+from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.spectra.bands import RGB
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import shade
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 IMAGE, COLOURS = system(), palette()
 PARAMETERS = [

@@ -17,13 +17,14 @@ from symrt.feedback.limits import rising_limits
 from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.gamut import device_gamut
+from symrt.interactions import Interaction
 from symrt.show.tables import ranges_table
 from symrt.spectra.bands import RGB
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import gamma, shade
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 
 DEVICE = load_device("dye3-endura-premier")
 IMAGE, COLOURS = system(), palette()

@@ -11,8 +11,8 @@ import symrt as rt
 from symrt.device import load_device, load_monitor
 from symrt.feedback import report
 from symrt.gamut import device_gamut, monitor_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.library import colour_science
-from symrt.system import Interaction
 
 
 @pytest.fixture(scope="module")

@@ -11,11 +11,12 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.sensitivity import sensitivities
 from symrt.feedback.weighing import pixels_of
 from symrt.gamut.gamuts import device_gamut
+from symrt.interactions import Interaction
 from symrt.show.records import feasible_record
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.symbols import Symbol
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")
 IMAGE, COLOURS = system(12, 12), palette()

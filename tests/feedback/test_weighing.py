@@ -10,11 +10,11 @@ from symrt.feedback.ranges import feasible
 from symrt.feedback.regions import split
 from symrt.feedback.weighing import Weighed, check_mask, pixels_of, weighed
 from symrt.gamut.slabs import device_gamut
+from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import shade
-from symrt.system import Interaction
 
 DEVICE = load_device("dye3-endura-premier")
 IMAGE, COLOURS = system(), palette()

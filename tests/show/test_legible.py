@@ -13,9 +13,10 @@ from scipy import sparse
 from scipy.optimize import minimize
 
 import symrt as rt
+from symrt.interactions import Interaction
 from symrt.show import plots
 from symrt.show.solid import spread
-from symrt.system import Interaction, LinearSystem
+from symrt.system import LinearSystem
 
 UNREACHED = ("ice", "upland", "brass", "table")
 FIGURES = {

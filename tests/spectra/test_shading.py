@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma, preview, shade, tail_bound
 from symrt.spectra.viewing import to_rgb
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.system import LinearSystem, Tail
 
 BANDS = wavelengths(380, 730, 10)
 INTERACTIONS = (
