@@ -71,6 +71,10 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         "parameters": [[n.parameter, n.low.hex(), n.high.hex(), n.count, n.scale] for n in system.parameters.values()],
         "seconds": dict(system.seconds),
     }
+    if system.interpolated:
+        # Files of all other systems stay as they were before there was such a record.
+        place = {interaction: k for k, interaction in enumerate(system.interactions)}
+        header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -119,6 +123,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         parameters=_parameters(header["parameters"]),
         tail=None if tail is None else Tail(bound, tail, reflected, passed),
         seconds={name: _number(v) for name, v in _table(header["seconds"])},
+        interpolated=_interpolated(header.get("interpolated", []), interactions),
     )
     if fault := next(_faults(system), None):
         raise ValueError(fault)
@@ -145,6 +150,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
         ("material", system.models, NAME),
         ("reflectance", sorted(met), OF_MATERIAL),
         ("parameter", system.parameters, OF_MATERIAL),
+        ("parameter", sorted({name for by in system.interpolated.values() for name in by}), OF_MATERIAL),
         ("step", system.seconds, NAME),
     ):
         yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
@@ -158,10 +164,16 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _wrong_columns(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Columns of one name, in no order, or at nodes that there are not."""
-    for kind, columns in (("interactions", system.interactions), ("cut-off interactions", tail.interactions)):
-        if len(set(columns)) < len(columns):
+    for kind, several in (("interactions", system.interactions), ("cut-off interactions", tail.interactions)):
+        if len(set(several)) < len(several):
             yield f"two {kind} are the same"
     yield from (f"what was cut off has nodes, in {i}" for i in tail.interactions if i.nodes)
+    columns = set(system.interactions)
+    for interaction, names in system.interpolated.items():
+        if interaction not in columns:
+            yield f"{interaction} was interpolated, and is not there"
+        if not names or len(set(names)) < len(names) or not set(names).isdisjoint(system.parameters):
+            yield f"{interaction} was interpolated in {', '.join(names) or 'nothing'}"
     for interaction in system.interactions:
         if len({name for name, _ in interaction.nodes}) < len(interaction.nodes):
             yield f"{interaction} names two nodes of one parameter"
@@ -184,7 +196,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    if unknown := (set(header) - {"format", "version", "digest", *KEYS}) | (set(arrays) - ARRAYS):
+    if unknown := (set(header) - {"format", "version", "digest", "interpolated", *KEYS}) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 
 
@@ -196,6 +208,15 @@ def _parameters(rows: list[Any]) -> dict[str, Nodes]:
         if not OF_MATERIAL.fullmatch(name):
             raise ValueError(f"a parameter is called {shown(name)}")
         found[name] = Nodes(name, float.fromhex(_text(low)), float.fromhex(_text(high)), _count(count), _text(scale))  # type: ignore[arg-type]  # Nodes checks it
+    return found
+
+
+def _interpolated(rows: list[Any], interactions: tuple[Interaction, ...]) -> dict[Interaction, tuple[str, ...]]:
+    found = {}
+    for place, names in _list(rows):
+        if _count(place) >= len(interactions) or interactions[place] in found:
+            raise ValueError(f"column {place} was interpolated, and is not there, or is named twice")
+        found[interactions[place]] = tuple(map(_text, _list(names)))
     return found
 
 

@@ -6,6 +6,7 @@ name of each column.  What made G knows no spectrum; what uses it knows no shape
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -15,6 +16,8 @@ from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
 from symrt.table import html_table
 
+OWN = "a negative term"
+"""Why a column is signed that was written so, or whose formula subtracts."""
 Shares = tuple[tuple[tuple[str, ...], float], ...]
 """Terms of a sum: reflectances, and a number that multiplies them."""
 
@@ -68,6 +71,9 @@ class LinearSystem:
         Bound on what the depth limit cut off.
     seconds
         Time spent in each step.
+    interpolated
+        For columns that `at` summed with negative weights, the parameters whose weights they were; without those that
+        had negative coefficients before.
     """
 
     G: sparse.csr_array
@@ -79,6 +85,7 @@ class LinearSystem:
     parameters: Mapping[str, Nodes] = field(default_factory=dict)
     tail: Tail | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)
+    interpolated: Mapping[Interaction, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -138,7 +145,8 @@ class LinearSystem:
     def at(self, parameters: Mapping[str, float | int]) -> "LinearSystem":
         """The system with some of its free parameters at values: their nodes are summed, by their weights.
 
-        Interpolation weights may be negative, and so may sums of them be, by no more than the nodes' tolerance.
+        Interpolation weights may be negative, and so may sums of them be, by no more than the nodes' tolerance:
+        `signed` tells of which columns.
 
         Raises
         ------
@@ -171,7 +179,20 @@ class LinearSystem:
         shape = (len(left), len(interactions))
         to = sparse.csr_array((counts, (np.arange(len(left)), [place[i] for i in left])), shape=shape)
         free_still = {name: nodes for name, nodes in self.parameters.items() if name not in weights}
-        return replace(self, G=(self.G @ to).tocsr(), interactions=tuple(interactions), parameters=free_still)
+
+        # The parameters whose weights may have made a column negative, where nothing else had.
+        turning = {name for name, values in weights.items() if (values < 0).any()}
+        by: dict[Interaction, set[str]] = {interaction: set() for interaction in interactions}
+        for before, after in zip(self.interactions, left, strict=True):
+            by[after] |= {*self.interpolated.get(before, ()), *(name for name, _ in before.nodes if name in turning)}
+        own = {after for before, after in zip(self.interactions, left, strict=True) if self.signed.get(before) == OWN}
+        return replace(
+            self,
+            G=(self.G @ to).tocsr(),
+            interactions=tuple(interactions),
+            parameters=free_still,
+            interpolated={i: tuple(sorted(names)) for i, names in by.items() if names and i not in own},
+        )
 
     def times(
         self, spectra: Float[np.ndarray, "interaction *band"], pixels: Int[np.ndarray, " chosen"] | slice = slice(None)
@@ -236,6 +257,30 @@ class LinearSystem:
     def term_counts(self) -> Int[np.ndarray, " pixel"]:
         """How many coefficients each pixel has."""
         return np.diff(self.G.indptr)
+
+    @cached_property
+    def signed(self) -> Mapping[Interaction, str]:
+        """The columns that may take from a pixel although no spectrum is negative, and why.
+
+        A coefficient is negative, by a formula or by the weights of `at`; or a free parameter's weights may be.
+
+        Examples
+        --------
+        >>> {str(i): why for i, why in LinearSystem.of("0.5*sun*sea.diffuse - 0.1*sky*sea.diffuse").signed.items()}
+        {'sky*sea.diffuse': 'a negative term'}
+        """
+        negative = np.zeros(len(self.interactions), dtype=bool)
+        negative[self.G.indices[self.G.data < 0]] = True
+        found = {}
+        for interaction, below in zip(self.interactions, negative.tolist(), strict=True):
+            # The weight of a single node is always 1.
+            free = [n for n, _ in interaction.nodes if n not in self.parameters or self.parameters[n].count > 1]
+            by = [*self.interpolated.get(interaction, ()), *free]
+            if below and not self.interpolated.get(interaction):
+                found[interaction] = OWN
+            elif below or free:
+                found[interaction] = f"interpolation in {', '.join(by)}"
+        return found
 
     @property
     def lights(self) -> tuple[str, ...]:

@@ -168,8 +168,7 @@ def along(system: LinearSystem, palette: Palette, parameter: Parameter) -> Along
 
 def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> Along:
     """Every pixel as a polynomial in t when each of the symbols goes from its first spectrum to its last."""
-    if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
-        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")
+    check_settled(system)
 
     # Expand Γ of every interaction in t; those that do not move keep theirs.
     given = gamma(system.interactions, palette)
@@ -196,7 +195,7 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
         ),
         degrees=_degrees(system, np.where(changing, degrees, 0)),
         terms=int(system.term_counts.max(initial=0)) + max((len(i.met) for i in system.interactions), default=0) + 8,
-        signed=bool((system.G.data < 0).any()),
+        signed=bool(system.signed),
     )
 
 
@@ -228,3 +227,18 @@ def _degrees(system: LinearSystem, columns: Int[np.ndarray, " interaction"]) -> 
     for degree in range(1, int(columns.max(initial=0)) + 1):
         highest[system.pixels_of(columns == degree)] = degree
     return highest
+
+
+def check_settled(system: LinearSystem) -> None:
+    """Refuse a system that keeps a parameter of its formulas free.
+
+    Examples
+    --------
+    >>> from symrt.interactions import Interaction
+    >>> column = Interaction("sun", ("brass.specular",), (("brass.exponent", 0),))
+    >>> check_settled(LinearSystem(sparse.csr_array([[0.5]]), (column,), 1, 1, {"sun": 1.0}))
+    Traceback (most recent call last):
+    ValueError: the system keeps brass.exponent free: give values, collapse(tree, values={…}), first
+    """
+    if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
+        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")

@@ -15,6 +15,7 @@ from jaxtyping import Bool, Int
 
 from symrt.arrays import PixelBands, Spectrum
 from symrt.errors import require
+from symrt.feedback.along import check_settled
 from symrt.feedback.bounds import Bound, bound_of
 from symrt.feedback.solids import Solid
 from symrt.gamut.interface import ConvexGamut, SlabGamut, Slabs, stacked
@@ -178,17 +179,23 @@ def rising_limits(
     Raises
     ------
     ValueError
-        As `limits` does, and if more light may bring a pixel inside.
+        As `limits` does, if more light may bring a pixel inside, and if more of a material may darken one.
 
     Examples
     --------
     See `limits`.
     """
     asked = limits(system, palette, gamut, reference)
+    check_settled(system)
     if asked.upper.signed or asked.solids:
         raise ValueError(
             f"{asked.gamut.name}: more light may bring a colour inside as well as out, so that scales cannot be fitted "
             "together: use adapt, which fits them to the device's envelope and dims; or feasible, for one parameter"
+        )
+    if column := next(iter(system.signed), None):
+        raise ValueError(
+            f"{column} has negative coefficients ({system.signed[column]}), so that a scale can darken a pixel: ask "
+            "for one scale at a time, with feasible"
         )
     return asked
 

@@ -76,7 +76,7 @@ class Paints:
     @property
     def signed(self) -> bool:
         """True if something is subtracted, so that sums may be smaller than their terms."""
-        return bool((self.part.G.data < 0).any() or (self.matrix < 0).any())
+        return bool(self.part.signed) or bool((self.matrix < 0).any())
 
     def seen(self, matrix: Float[np.ndarray, "band slab"], rows: Pixels) -> "Paints":
         """Some of the pixels, each spectrum times a matrix."""

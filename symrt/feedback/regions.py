@@ -56,7 +56,10 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     models = dict(system.models)
     if material in models:
         models[name] = models[material]
-    return replace(system, G=matrix, interactions=interactions, tail=tail, models=models)
+    renamed = {_renamed(i, material, name): by for i, by in system.interpolated.items()}
+    left = set(interactions)
+    interpolated = {i: by for i, by in {**system.interpolated, **renamed}.items() if i in left}
+    return replace(system, G=matrix, interactions=interactions, tail=tail, models=models, interpolated=interpolated)
 
 
 def with_region(palette: Palette, material: str, name: str) -> Palette:

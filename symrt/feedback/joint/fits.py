@@ -121,8 +121,6 @@ def fit(  # noqa: PLR0913  # a public verb names its options
     asked = rising_limits(system, palette, with_black(gamut, black), reference)
     task = task_of(system, palette, asked, scales, within, cap)
     whole = task.line({}, frozenset(task.symbols))
-    if whole.signed:
-        raise ValueError("G has negative coefficients, so that a scale can darken a pixel: fit one scale at a time")
 
     # The pixels that no scales bring inside count among those allowed out.
     outside = outside_at_rest(task, whole)

@@ -101,8 +101,6 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     gamut = with_black(gamut, black)
     asked = rising_limits(system, palette, gamut, reference)
     task = task_of(system, palette, asked, scales, within, cap)
-    if task.line({}, frozenset(task.symbols)).signed:
-        raise ValueError("G has negative coefficients, so that a scale can darken a pixel: no corner is the darkest")
 
     # Find both corners, and settle each scale where a pixel certainly stops it.
     with tqdm(desc="safe box", unit="step", delay=1, leave=False, disable=not progress) as bar:
