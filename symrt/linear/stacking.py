@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from symrt.system import Interaction, LinearSystem, Tail
+from symrt.interactions import Interaction
+from symrt.system import LinearSystem, Tail
 
 
 def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearSystem:
