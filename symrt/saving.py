@@ -105,11 +105,14 @@ def load_system(path: str | Path) -> LinearSystem:
 
 def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> LinearSystem:
     """The system that the arrays and the header of a file make; each part of them is checked."""
+    # Columns of what is there, and of what was cut off.
     _check_keys(arrays, header)
     interactions = _interactions(header["interactions"])
     tail = None if header["tail"] is None else _interactions(header["tail"])
     reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
     height, width = _count(header["height"]), _count(header["width"])
+
+    # Both matrices, and all that is said of them.
     bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
     if tail is None and (reflected or passed):
         raise ValueError("nothing was cut off, but there are shares of it")
@@ -125,6 +128,8 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         seconds={name: _number(v) for name, v in _table(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
     )
+
+    # Parts that fit each other.
     if fault := next(_faults(system), None):
         raise ValueError(fault)
     return system
@@ -140,11 +145,14 @@ def _faults(system: LinearSystem) -> Iterator[str]:
 
 def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Names against the rule for scene files, and against each other."""
+    # Every name that occurs.
     columns = (*system.interactions, *tail.interactions)
     shares = (*tail.reflected, *tail.passed)
     met = {name for i in columns for name in i.met} | {name for s in shares for names, _ in s for name in names}
     symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
     materials = {name for symbol in symbols for name in (symbol.material, symbol.place)} | set(system.models)
+
+    # Each as the rule for its kind has it.
     for kind, names, rule in (
         ("light", system.white, NAME),
         ("material", system.models, NAME),
@@ -154,6 +162,8 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
         ("step", system.seconds, NAME),
     ):
         yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
+
+    # Lights and materials that are there, each with a name of its own, and formulas of one line.
     yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
     yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
     yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
@@ -164,16 +174,21 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _wrong_columns(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Columns of one name, in no order, or at nodes that there are not."""
+    # Columns once each.
     for kind, several in (("interactions", system.interactions), ("cut-off interactions", tail.interactions)):
         if len(set(several)) < len(several):
             yield f"two {kind} are the same"
     yield from (f"what was cut off has nodes, in {i}" for i in tail.interactions if i.nodes)
+
+    # Columns that were interpolated.
     columns = set(system.interactions)
     for interaction, names in system.interpolated.items():
         if interaction not in columns:
             yield f"{interaction} was interpolated, and is not there"
         if not names or len(set(names)) < len(names) or not set(names).isdisjoint(system.parameters):
             yield f"{interaction} was interpolated in {', '.join(names) or 'nothing'}"
+
+    # Nodes of parameters that are there.
     for interaction in system.interactions:
         if len({name for name, _ in interaction.nodes}) < len(interaction.nodes):
             yield f"{interaction} names two nodes of one parameter"

@@ -24,7 +24,7 @@ Shares = tuple[tuple[tuple[str, ...], float], ...]
 
 @dataclass(frozen=True, eq=False)
 class Tail:
-    """What the depth limit cut off: an upper bound on the missing part of each pixel.
+    """An upper bound on the part of each pixel that the depth limit cut off.
 
     Each column is a light times the reflectances that a cut path was mirrored by.  As long as no reflectance passes 1,
     the missing radiance is at most ``Σ bound · light · Π met / (1 − ρ)`` in each band, where ρ is the largest share
@@ -216,7 +216,7 @@ class LinearSystem:
         return coefficients.astype(spectra.dtype, copy=False) @ spectra
 
     def terms(self, pixel: int) -> tuple[tuple[Interaction, float], ...]:
-        """What a pixel is the sum of: interactions, each with its coefficient, without those of coefficient 0.
+        """The terms whose sum a pixel is: interactions, each with its coefficient, without those of coefficient 0.
 
         Examples
         --------
@@ -255,7 +255,7 @@ class LinearSystem:
 
     @property
     def term_counts(self) -> Int[np.ndarray, " pixel"]:
-        """How many coefficients each pixel has."""
+        """The number of coefficients of each pixel."""
         return np.diff(self.G.indptr)
 
     @cached_property
