@@ -181,7 +181,7 @@ REACHED = {
         "feedback/paints.py",
     },
     "rows in a cache, and the largest number": {"spectra/shading.py"},
-    "its size is told": {"show/demo.py", "commands/scenes.py"},
+    "its size is told": {"show/demo.py", "commands/rendering.py", "linear/estimate.py"},
 }
 """Modules that reach into a system's matrix, by the reason why."""
 

@@ -134,4 +134,3 @@ LeastLuminance = Annotated[
 Together = Annotated[
     bool, typer.Option("--together", help="One box in which all the scales may move freely, not range by range.")
 ]
-SystemOut = Annotated[Path | None, typer.Option("--out", "-o", help="Where the system goes; SCENE.npz if not given.")]

@@ -1,4 +1,4 @@
-"""Commands on a scene: its plan, a probe, its render, a pixel's formula, a picture, the demo (steps 1 to 3)."""
+"""Commands on a scene: its plan, a probe, a pixel's formula, a picture, the demo (steps 1 to 3)."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -9,7 +9,7 @@ import typer
 
 import symrt as rt
 from symrt.commands import options as option
-from symrt.commands.arguments import against, formula_of, pairs_of, palette_of, scene_of, system_of
+from symrt.commands.arguments import against, formula_of, palette_of, scene_of, system_of
 from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
 from symrt.show.writing import json_text
@@ -39,43 +39,6 @@ def probe(
     record = {"rays": found.rays, "mirrored": found.mirrored, "hidden": found.hidden}
     record |= {"meetings": [asdict(meeting) for meeting in found.meetings]}
     say(json_text(record) if as_json else str(found))
-
-
-def render(  # a command names its options
-    scene: option.SceneFile,
-    out: option.SystemOut = None,
-    size: option.Size = None,
-    samples: Annotated[int | None, typer.Option(help="n for n × n samples a pixel.")] = None,
-    alternative: Annotated[
-        list[str] | None,
-        typer.Option(metavar="FROM:TO", help="Trace also what a blend of two unlike materials needs; repeatable."),
-    ] = None,
-    without: option.Without = None,
-    workers: Annotated[int | None, typer.Option(help="Threads; the result does not depend on it.")] = None,
-    as_json: option.Json = False,
-) -> None:
-    """Trace and collapse a scene into a linear system.
-
-    The file that it writes is what every other command reads.
-
-    Example: symrt render globe --size 512 --out globe.npz
-    """
-    # Words that cannot be obeyed are refused before any work.
-    out = writable(out or Path(f"{Path(scene).stem}.npz"), ".npz", form="symrt-system")
-    apart({"--out": out}, [scene])
-    if workers is not None and workers < 1:
-        raise ValueError(f"--workers {workers}: at least one thread works")
-
-    # Render, and save the system.
-    asked = pairs_of(alternative or ())
-    force = dict.fromkeys(without or (), False)
-    system = rt.render(scene_of(scene, size, samples), workers=workers, alternatives=asked, force=force)
-    rt.save_system(out, system)
-
-    record = {"system": str(out), "width": system.width, "height": system.height}
-    record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
-    seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
-    say(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
 
 
 def formula(  # noqa: PLR0913, PLR0917  # a command names its options

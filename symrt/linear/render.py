@@ -12,6 +12,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from symrt.linear.estimate import check_memory
 from symrt.linear.job import make_job
 from symrt.linear.program import Free, Values
 from symrt.linear.resume import open_tiles
@@ -32,6 +33,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     executor: Executor | None = None,
     workers: Workers = None,
     save: str | Path | None = None,
+    memory: float | None = None,
     progress: bool = True,
 ) -> LinearSystem:
     """Trace a scene and collapse it, tile by tile.
@@ -50,6 +52,9 @@ def render(  # noqa: PLR0913  # a public verb names its options
         for a process on each of them.  The result depends on none of it.
     save
         A folder to keep finished tiles in: the same call goes on where an interrupted one stopped, to the same bits.
+    memory
+        Gibibytes that a render may take, this machine's if not given: a picture of a million samples or more is
+        estimated beforehand, and refused if it takes more.
     progress
         Whether a bar is shown on standard error once a render has taken a second.
 
@@ -62,6 +67,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     start = time.perf_counter()
     check(workers)
     job = make_job(scene, values, free, alternatives, force)
+    check_memory(job, workers, memory)
     windows = job.windows()
     if save is not None:
         job = replace(job, kept=open_tiles(save, job.picture, windows))

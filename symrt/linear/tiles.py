@@ -1,5 +1,7 @@
 """The tiles that a picture is rendered in: their size depends on the scene alone (steps 1 and 2)."""
 
+from symrt.errors import shown
+
 Window = tuple[int, int, int, int]
 
 SAMPLES = 32768
@@ -38,3 +40,20 @@ def tiles(
         for y in range(first, last, down)
         for x in range(0, width, across)
     ]
+
+
+def rows_of(part: tuple[int, int], height: int) -> tuple[int, int]:
+    """The first row of a part, and the one after its last.
+
+    Examples
+    --------
+    >>> [rows_of((k, 3), 8) for k in (1, 2, 3)]
+    [(0, 2), (2, 5), (5, 8)]
+    """
+    number, count = part
+    if not 1 <= number <= count <= height:
+        raise ValueError(
+            f"part {shown(number)}/{shown(count)}: parts run from 1/n to n/n, and the picture's {height} rows make at "
+            f"most {height}: give another"
+        )
+    return height * (number - 1) // count, height * number // count

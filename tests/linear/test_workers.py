@@ -68,6 +68,12 @@ def test_executors_of_threads_of_processes_and_of_a_cluster_give_the_same_bits(s
         assert_same_bits(rt.render(scene, executor=workers, progress=False), whole)
 
 
+def test_parts_of_several_machines_give_the_same_bits(scene, whole, tmp_path):
+    for number, workers in ((1, 1), (2, 8), (3, 2)):
+        rt.render_part(scene, (number, 3), tmp_path, workers=workers, progress=False)
+    assert_same_bits(rt.merge_parts(tmp_path), whole)
+
+
 def children(parent: int) -> set[int]:
     """Processes below one, those below them included, as the system lists them."""
     listed = subprocess.run(["ps", "-A", "-o", "pid=,ppid=,stat="], capture_output=True, text=True, check=True).stdout
