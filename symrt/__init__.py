@@ -37,7 +37,7 @@ _NAMES = {
         "LabelImage",
         "WeightImage",
     ],
-    "symrt.reflection": ["MODELS", "Model", "lobe", "parameter", "reflectance", "stack"],
+    "symrt.reflection": ["MODELS", "Model", "lobe", "parameter", "reflectance", "schlick", "stack"],
     # 1 and 2: trace, collapse, print
     "symrt.tracing": ["RayTree", "plan", "probe", "trace"],
     "symrt.linear": [
@@ -63,7 +63,10 @@ _NAMES = {
         "Palette",
         "Reference",
         "SpectralImage",
+        "conductor_reflectance",
         "load_palettes",
+        "metals",
+        "optical_constants",
         "preview",
         "save_image",
         "save_palettes",

@@ -127,11 +127,21 @@ class TriangleMesh:
     @cached_property
     def is_closed(self) -> bool:
         """Whether every edge, by the positions of its ends, is run through as often one way as the other."""
+        return self.open_edge is None
+
+    @cached_property
+    def open_edge(self) -> Float[np.ndarray, "2 3"] | None:
+        """Both ends of the first edge that is run through more often one way than the other; None if none is."""
         _, same = np.unique(self.vertices, axis=1, return_inverse=True)
         faces = same.reshape(-1)[self.faces].astype(np.int64)
-        start, end = faces.ravel(), faces[[1, 2, 0]].ravel()
-        count = self.vertices.shape[1]
-        return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
+        start, end, count = faces.ravel(), faces[[1, 2, 0]].ravel(), self.vertices.shape[1]
+        there, back = start * count + end, end * count + start
+        if np.array_equal(np.sort(there), np.sort(back)):
+            return None
+        names, which, times = np.unique(np.concatenate([there, back]), return_inverse=True, return_counts=True)
+        forwards = np.bincount(which[: there.size], minlength=names.size)
+        first = int(np.flatnonzero(2 * forwards[which[: there.size]] > times[which[: there.size]])[0])
+        return self.vertices[:, [self.faces.ravel()[first], self.faces[[1, 2, 0]].ravel()[first]]].T
 
 
 @intersect.register(TriangleMesh)

@@ -9,7 +9,7 @@ from symrt.linear.bounds import largest
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.linear.corners import corners
 from symrt.nodes import Nodes
-from symrt.reflection.models import LIT
+from symrt.reflection.models import INDEX, LIT
 from symrt.reflection.nodes import choose_nodes
 from symrt.symbols import Surface, named
 from symrt.system import Shares
@@ -72,6 +72,7 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
 def with_values(materials: Materials, values: Values) -> Materials:
     """The same materials with other values of some parameters, named ``material.parameter``."""
     _check_known(materials, values)
+    _check_not_traced(materials, values)
     for name, value in values.items():
         if not np.isfinite(value):
             raise ValueError(f"{name} = {value}: a parameter must be finite")
@@ -96,8 +97,16 @@ def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, objec
         raise ValueError(f"no material has the parameter {', '.join(unknown)}; the scene's parameters: {there}")
 
 
+def _check_not_traced(materials: Materials, names: Sequence[str] | Mapping[str, object]) -> None:
+    """Refuse to change what rays were bent by."""
+    bent = {_parameter(name, INDEX) for name, record in materials.items() if record.model.refracts}
+    if traced := sorted(bent.intersection(names)):
+        raise ValueError(f"{', '.join(traced)}: rays were bent by it; trace the scene again with another index")
+
+
 def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
     _check_known(materials, free)
+    _check_not_traced(materials, free)
     if not isinstance(free, Mapping):
         now = {
             _parameter(name, key): value

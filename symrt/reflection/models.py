@@ -25,12 +25,14 @@ from sympy.core.function import AppliedUndef
 from symrt.reflection.metals import f82, schlick
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import (
+    FRESNEL,
     GEOMETRY,
     VIEW,
     Factor,
     Parameter,
     Reflectance,
     diffuse,
+    fresnel,
     h_dot_v,
     lobe,
     mirror,
@@ -41,14 +43,17 @@ from symrt.reflection.symbols import (
     r_dot_v,
     reflectance,
     specular,
+    transmission,
 )
 
 ZERO = sympy.Integer(0)
 
 DOUBLE = 53
 """Binary digits of a float."""
-WORDS = {*GEOMETRY, "diffuse", "specular", "mirror"}
+WORDS = {*GEOMETRY, *FRESNEL, "diffuse", "specular", "mirror"}
 """Names of the symbols that formulas are written in, as they are imported."""
+INDEX = "index"
+"""The parameter that tells the refractive index; rays have been bent by it, so that it is no symbol of a formula."""
 LIT = ("direct", "ambient")
 """The formulas that lights meet; the others meet the radiance of further rays."""
 
@@ -67,6 +72,9 @@ class Model:
         Radiance towards the viewer per unit radiance of an ambient light.
     reflected
         Share of the radiance from along the mirrored view that is sent on to the viewer.
+    transmitted
+        Share of the radiance from along the refracted view, on the other side of the surface, that is sent on.  A
+        material with this formula has the parameter ``index``, its refractive index, and its shapes are closed.
 
     Raises
     ------
@@ -82,6 +90,7 @@ class Model:
     direct: Any = ZERO
     ambient: Any = ZERO
     reflected: Any = ZERO
+    transmitted: Any = ZERO
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -102,7 +111,12 @@ class Model:
     @cached_property
     def parameters(self) -> frozenset[str]:
         """Names of the scalars that a material with this model must give."""
-        return self._names(Parameter)
+        return self._names(Parameter) | ({INDEX} if self.refracts else frozenset())
+
+    @cached_property
+    def refracts(self) -> bool:
+        """Whether light goes through, or is mirrored as Fresnel's formulas say: a refractive index is needed."""
+        return self.transmitted != 0 or not FRESNEL.isdisjoint(self.factors)
 
     @cached_property
     def factors(self) -> frozenset[str]:
@@ -117,7 +131,8 @@ class Model:
     @cached_property
     def sent_on(self) -> sympy.Expr:
         """The share of what further rays bring that is sent on, by all formulas together, if all brought the same."""
-        return sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
+        total = sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
+        return total.xreplace({transmission: 1 - fresnel})
 
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
         return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
@@ -168,7 +183,7 @@ def _check(field: str, formula: sympy.Expr) -> None:
         )
 
     # Symbols must be of a known kind, and factors computable where the formula is used.
-    known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")}
+    known = {name for stem in GEOMETRY for name in (stem, f"one_minus_{stem}")} | FRESNEL
     for symbol in sorted(formula.free_symbols, key=str):
         if type(symbol) is sympy.Symbol and symbol.name in WORDS:
             raise ValueError(
@@ -182,7 +197,9 @@ def _check(field: str, formula: sympy.Expr) -> None:
             )
         if isinstance(symbol, Factor) and symbol.name not in known:
             raise ValueError(f"{field} = {formula}: no tracer computes {symbol}; the factors are {', '.join(GEOMETRY)}")
-        if isinstance(symbol, Factor) and field != "direct" and symbol.name not in VIEW:
+        if symbol.name in FRESNEL and isinstance(symbol, Factor) and field in LIT:
+            raise ValueError(f"{field} = {formula}: {symbol} is a ray's; use it in reflected or transmitted")
+        if isinstance(symbol, Factor) and field != "direct" and symbol.name not in VIEW | FRESNEL:
             raise ValueError(f"{field} = {formula}: {symbol} needs a light; only n_dot_v is known here")
 
     # The formula must be a polynomial in its reflectances.
@@ -205,6 +222,8 @@ MODELS = {
         ambient=diffuse,
     ),
     "mirror": Model(reflected=mirror),
+    # Clear glass or water, smooth: what is not mirrored goes on, bent.
+    "glass": Model(reflected=fresnel, transmitted=transmission),
     # Polished metals: a mirror with Fresnel's reflectance, white along its edge.
     "metal": Model(reflected=schlick(_f0, n_dot_v)),
     "metal_f82": Model(reflected=f82(_f0, _f82, n_dot_v)),

@@ -37,6 +37,12 @@ GEOMETRY = {
 ONE_MINUS = "one_minus_"
 """Prefix of a cosine's name that means 1 − cosine, which keeps the digits that a cosine near 1 has lost."""
 
+FRESNEL = frozenset({"fresnel", "transmission"})
+"""Shares of unpolarised light that a smooth surface of an index mirrors, and lets through: they sum to 1.
+
+Formulas by which rays are sent on may name them; the ray itself tells them, from its material's parameter ``index``.
+"""
+
 VIEW = frozenset({"n_dot_v", "one_minus_n_dot_v"})
 """Factors that need no light: the only ones that `ambient` and `reflected` may use."""
 
@@ -199,7 +205,7 @@ def checked_name(name: object) -> str:
 
 def split_factor(name: str) -> tuple[str, str]:
     """The factor and the place it belongs to: ``n_dot_l_sun_2`` is ``n_dot_l`` at ``sun_2``."""
-    for stem in (*GEOMETRY, "visible", "irradiance", "weight"):
+    for stem in (*GEOMETRY, *sorted(FRESNEL), "visible", "irradiance", "weight"):
         if name == stem or name.startswith(f"{stem}_"):
             return stem, name[len(stem) + 1 :]
     return name, ""
@@ -209,3 +215,4 @@ diffuse = Reflectance("diffuse")
 specular = Reflectance("specular")
 mirror = Reflectance("mirror")
 n_dot_l, n_dot_v, n_dot_h, h_dot_v, r_dot_v, l_dot_v = map(Factor, GEOMETRY)
+fresnel, transmission = map(Factor, sorted(FRESNEL))

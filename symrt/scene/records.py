@@ -20,9 +20,14 @@ from symrt.scene.lights import Light
 from symrt.symbols import named
 from symrt.table import html_table
 
+OPEN = frozenset({"plane", "disk", "rectangle", "tube"})
+"""Kinds of shapes that have no inside."""
+
 if TYPE_CHECKING:
     from symrt.reflection.models import Model
 
+HIGHEST_INDEX = 100
+"""Largest refractive index: none of nature's is near it."""
 DEEPEST = 1000
 """Largest number of mirror bounces that a scene may ask for."""
 
@@ -186,6 +191,8 @@ def _parameter_faults(material: Material) -> Iterator[str]:
             yield f"{key if key.isidentifier() else shown(key)}: {rule}"
         elif not faults and key == "exponent" and not 0 <= value <= 1e7:
             yield f"exponent = {shown(value)}: it must be from 0 to 1e7; 40 is glossy"
+        elif not faults and key == "index" and material.reflection.refracts and not 0 < value <= HIGHEST_INDEX:
+            yield f"index = {shown(value)}: it must be above 0, at most {HIGHEST_INDEX}; glass has 1.5, water 1.33"
         yield from faults
 
 
@@ -201,7 +208,8 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
     if not kinds:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))
-        yield from _reference_faults(scene)
+        faults = list(_reference_faults(scene))
+        yield from faults or _open_glass_faults(scene)
         yield from _place_faults(scene)
 
 
@@ -230,6 +238,26 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
             named_materials(f"{key}.material", _materials_of(shape)), known, "material or texture"
         )
     yield from file_faults(((f"{k}.file", r.file) for k, r in shapes + textures if hasattr(r, "file")), scene.folder)
+
+
+def _open_glass_faults(scene: Scene) -> Iterator[str]:
+    """Shapes of glass that enclose nothing; meshes that are still files are looked at when they are read."""
+    glass = {material.name for material in scene.materials if material.reflection.refracts}
+    blended = {
+        texture.name
+        for texture in scene.textures
+        if glass.intersection(name for _, name in named_materials("", texture.materials))
+    }
+    for index, shape in enumerate(scene.shapes):
+        kind = "tube" if getattr(shape, "capped", True) is False else getattr(shape, "type", "mesh")
+        if kind in OPEN:
+            names = [name for _, name in named_materials("", _materials_of(shape))]
+            yield from (
+                f"shapes[{index}].material = {name!r}: light goes through it, and a {kind} has no inside; use a "
+                "sphere, a box, a capped cylinder or a closed mesh"
+                for name in names
+                if name in glass | blended
+            )
 
 
 def _place_faults(scene: Scene) -> Iterator[str]:

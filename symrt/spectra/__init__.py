@@ -5,6 +5,7 @@ from symrt.spectra.display import display_matrix, luminance_weights
 from symrt.spectra.files import save_image
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.library import spectrum, srgb
+from symrt.spectra.metals import conductor_reflectance, metals, optical_constants
 from symrt.spectra.palette import Palette
 from symrt.spectra.palettes_file import load_palettes, save_palettes
 from symrt.spectra.reference import Reference
@@ -18,11 +19,14 @@ __all__ = [
     "Reference",
     "SpectralImage",
     "clipped",
+    "conductor_reflectance",
     "coordinates",
     "display_matrix",
     "gamma",
     "load_palettes",
     "luminance_weights",
+    "metals",
+    "optical_constants",
     "preview",
     "save_image",
     "save_palettes",

@@ -7,6 +7,7 @@ and D65 in linear sRGB is (1, 1, 1).
 References
 ----------
 The ColorChecker is "BabelColor Average" (D. Pascale), 380-730 nm by 10 nm; the illuminants are the CIE's.
+The metals are those of `symrt.spectra.metals`, whose sources stand beside the table in ``symrt/data``.
 From RGB: I. Mallett and C. Yuksel, "Spectral Primary Decomposition for Rendering with sRGB Reflectance", EGSR 2019.
 """
 
@@ -22,9 +23,14 @@ from jaxtyping import Float
 
 from symrt.arrays import Spectrum
 from symrt.errors import require, shown
-from symrt.spectra.bands import Bands, resample
+from symrt.spectra.bands import Bands, resample, wavelengths
+from symrt.spectra.metals import metal_names, metal_reflectance, metals
 
 OBSERVER = "CIE 1931 2 Degree Standard Observer"
+REFLECTANCES = ("macbeth", "metal")
+"""Groups of spectra that are reflectances; the others are lights."""
+SPELLINGS = {"aluminum": "aluminium", "chromium": "chrome"}
+"""Other words for metals."""
 
 
 def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spectrum:
@@ -37,8 +43,8 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     Parameters
     ----------
     name
-        ``macbeth/dark skin``, ``illuminant/D65`` …; see `names`.  Or a colour as the web writes it, ``#c08a3e``: see
-        `srgb` and `from_rgb`.
+        ``macbeth/dark skin``, ``illuminant/D65``, ``metal/gold`` …; see `names`.  Or a colour as the web writes it,
+        ``#c08a3e``: see `srgb` and `from_rgb`.
     reflectance
         Refuse a light where a reflectance is meant, or the reverse; None takes either.
 
@@ -56,16 +62,19 @@ def spectrum(name: str, bands: Bands, *, reflectance: bool | None = None) -> Spe
     if name.lstrip().startswith("#"):
         return from_rgb(srgb(name), bands, reflectance=reflectance is not False)
     group, nm, values, found = _look_up(_key(name), name)
-    if reflectance is not None and reflectance != (group == "macbeth"):
-        is_, meant = ("a reflectance", "a light") if group == "macbeth" else ("a light", "a reflectance")
+    reflects = group in REFLECTANCES
+    if reflectance is not None and reflectance != reflects:
+        is_, meant = ("a reflectance", "a light") if reflects else ("a light", "a reflectance")
         raise ValueError(f"{name!r} is {is_}, and {meant} is wanted here: a symbol with a dot is a reflectance")
 
     # At the bands; in RGB as its colour.
     if bands.kind != "rgb":
-        return resample(nm, values, bands, repr(found))
+        # A metal's n and k are interpolated, not what they reflect.
+        metal = found.removeprefix("metal/")
+        return metal_reflectance(metal, bands) if group == "metal" else resample(nm, values, bands, repr(found))
     d65 = resample(*_tables()["illuminant"]["D65"], Bands(tuple(nm.tolist())))
-    rgb = _linear_srgb(nm, values * d65 if group == "macbeth" else values) / _linear_srgb(nm, d65)
-    if rgb.min() < -1e-6 or (group == "macbeth" and rgb.max() > 1):
+    rgb = _linear_srgb(nm, values * d65 if reflects else values) / _linear_srgb(nm, d65)
+    if rgb.min() < -1e-6 or (reflects and rgb.max() > 1):
         raise ValueError(
             f"{name!r} is outside sRGB, {rgb.round(3).tolist()}: use bands in nm, or give [red, green, blue]"
         )
@@ -137,6 +146,7 @@ def _key(name: str) -> str:
 def _look_up(key: str, name: str) -> tuple[str, Float[np.ndarray, " n"], Float[np.ndarray, " n"], str]:
     """Group, wavelengths, values and full name; a patch's notation and density may be left out: ``macbeth/white``."""
     # Full names, and short ones without notation and density.
+    key = re.sub("|".join(SPELLINGS), lambda word: SPELLINGS[word[0]], key) if key.startswith("metal/") else key
     known = {_key(full): full for full in names()}
     short: dict[str, list[str]] = {}
     for full in known.values():
@@ -151,6 +161,8 @@ def _look_up(key: str, name: str) -> tuple[str, Float[np.ndarray, " n"], Float[n
         hint = (
             f"did you mean {', '.join(known.get(n, n) for n in near)}?" if near else "see symrt.spectra.library.names()"
         )
+        if key.startswith("metal/"):
+            hint = f"there are {', '.join(metals())}, and 'gold f82' …; of others give n and k to conductor_reflectance"
         raise ValueError(f"no spectrum is named {name!r}: {hint}")
     group, table = matches[0].split("/", 1)
     return (group, *_tables()[group][table], matches[0])
@@ -161,7 +173,7 @@ def _tables() -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
     colour = colour_science()
     observer = colour.MSDS_CMFS[OBSERVER]
     nm_y, y = np.asarray(observer.wavelengths, float), np.asarray(observer.values[:, 1], float)
-    tables: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {"macbeth": {}, "illuminant": {}}
+    tables: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {"macbeth": {}, "illuminant": {}, "metal": {}}
     for name, sd in colour.SDS_COLOURCHECKERS["BabelColor Average"].items():
         tables["macbeth"][name] = (np.asarray(sd.wavelengths, float), np.asarray(sd.values, float))
     for name, sd in colour.SDS_ILLUMINANTS.items():
@@ -169,6 +181,8 @@ def _tables() -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
         if nm[0] <= 380 and nm[-1] >= 780:
             luminance = y @ np.interp(nm_y, nm, values, left=0, right=0) / y.sum()
             tables["illuminant"][name] = (nm, values / luminance)
+    visible = wavelengths(380, 780, 5)
+    tables["metal"] = {name: (np.array(visible.centres), metal_reflectance(name, visible)) for name in metal_names()}
     return tables
 
 

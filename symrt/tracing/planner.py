@@ -41,6 +41,7 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     effect                         called for by                    rays at most
     shadows        simulated       sun                              1 a hit
     mirrors        not called for  no material mirrors              none
+    refraction     not called for  no material is of glass          none
     ambient        not called for  no light is ambient              none
     textures       not called for  no surface has one               none
     supersampling  not called for  the pixel's centre is asked for  none

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.arrays import dot
-from symrt.reflection.symbols import VIEW
+from symrt.reflection.symbols import FRESNEL, VIEW
 from symrt.scene.lights import Answering, Illumination
 from symrt.symbols import Surface
 from symrt.tracing.factors import factors
@@ -62,7 +62,7 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
             for one in reached:
                 if model.formulas[one.light.via] == 0:
                     continue
-                arriving = _lit(view, one, hit, model.factors)
+                arriving = _lit(view, one, hit, model.factors - FRESNEL)
                 # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
                 if one.light.calls_for not in effects.left_out:
                     lit.append(arriving)

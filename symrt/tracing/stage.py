@@ -66,7 +66,8 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     # Read meshes, and move everything to the camera.
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
-    loaded = (load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes)
+    loaded = [load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes]
+    _check_closed(scene, loaded)
     shapes = gathered([translate(shape, np.array(by)) for shape in loaded])
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
@@ -90,6 +91,24 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         depth=scene.depth,
         sending=_sending(scene, alternatives),
     )
+
+
+def _check_closed(scene: Scene, shapes: Sequence[object]) -> None:
+    """Refuse meshes of glass with a hole: what is inside of them is not known.
+
+    Raises
+    ------
+    ValueError
+        That names the mesh, and the ends of its first open edge.
+    """
+    glass = {material.name for material in scene.materials if material.reflection.refracts}
+    for index, shape in enumerate(shapes):
+        if isinstance(shape, TriangleMesh) and glass.intersection(shape.materials) and shape.open_edge is not None:
+            first, last = (tuple(end) for end in shape.open_edge.tolist())
+            raise ValueError(
+                f"shapes[{index}]: a mesh of glass must be closed, and its edge from {first} to {last} belongs to one "
+                "triangle only, or to two that are wound against each other; repair the mesh"
+            )
 
 
 def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ...]:

@@ -114,8 +114,9 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
                 continue
             sent = effect.onwards(stage, view, here)
             if len(levels) < stage.depth:
-                followed += sent
-                count[effect.name] += sum(one.hit.size for one in sent)
+                followed += [one for one in sent if one.follow]
+                cut += [one for one in sent if not one.follow]
+                count[effect.name] += sum(one.hit.size for one in sent if one.follow)
             else:
                 cut += sent
         levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))

@@ -8,9 +8,10 @@ from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.mirrors import MIRRORS
+from symrt.tracing.effects.refraction import REFRACTION
 from symrt.tracing.effects.shadows import SHADOWS
 from symrt.tracing.effects.textures import TEXTURES
 
-EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, AMBIENT, TEXTURES, SUPERSAMPLING)
+EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, REFRACTION, AMBIENT, TEXTURES, SUPERSAMPLING)
 
 __all__ = ["EFFECTS", "Call", "Effect", "Sent"]

@@ -62,6 +62,8 @@ class Sent:
         Cosines of each ray's own direction, where the formula names any.
     state
         Values that effects keep for each ray, where they change; the rest is inherited.
+    follow
+        False if the rays carry too little to be followed: what they would bring is bounded in the tail.
     """
 
     via: str
@@ -70,6 +72,7 @@ class Sent:
     weight: Float[np.ndarray, " ray"]
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
     state: Mapping[str, np.ndarray] = field(default_factory=dict)
+    follow: bool = True
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ import numpy as np
 from symrt.arrays import dot, normalise
 from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
+from symrt.symbols import Surface
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
@@ -14,7 +15,7 @@ from symrt.tracing.view import View
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:
     return Call(
-        senders(scene, alternatives, "reflected"),
+        tuple(name for name in senders(scene, alternatives, "reflected") if not _refracts(scene, name)),
         without="no material mirrors",
         rays=f"{scene.depth} a sample",
         left_out="" if scene.depth else "the depth is 0",
@@ -30,7 +31,8 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     # The hits with a material that mirrors.
     reflecting = np.zeros(view.slot.size, dtype=bool)
     for part in points:
-        if "reflected" in stage.materials[part.material].model.sending:
+        model = stage.materials[part.material].model
+        if "reflected" in model.sending and not model.refracts:
             reflecting[part.hit] = True
     hit = np.flatnonzero(reflecting)
 
@@ -43,6 +45,11 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
     rays = spawn(*place, normalise(direction), view.leaving[:, hit])
     return (Sent("reflected", hit, rays, np.ones(hit.size)),)
+
+
+def _refracts(scene: Scene, name: str) -> bool:
+    """Whether a material mirrors as glass does, which is another effect's to follow."""
+    return scene.material(Surface.of(name).material).reflection.refracts
 
 
 MIRRORS = Effect("mirrors", _call, onwards=_onwards)
