@@ -9,13 +9,15 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from symrt.arrays import PerRay, Point
 from symrt.errors import hinting
+from symrt.geometry import bvh
 from symrt.geometry.culling import Corners, bounds
 from symrt.geometry.mesh import rotation, transformed
 from symrt.geometry.rays import (
+    BLOCK,
     Crossing,
     Kernel,
     Rays,
@@ -28,7 +30,7 @@ from symrt.geometry.rays import (
     translate,
 )
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
-from symrt.geometry.triangle_mesh import TriangleMesh
+from symrt.geometry.triangle_mesh import TriangleMesh, first_crossing
 
 FACES = {
     "left": ((0, 0, 1), (0, 1, 0)),
@@ -135,12 +137,17 @@ class Box:
         first = 4 * np.arange(len(FACES))
         halves = np.stack([first, first + 1, first + 2, first, first + 2, first + 3]).reshape(2, 3, -1)
         return TriangleMesh(
-            vertices=transformed(rotation(self.rotate), signs * half) + column(self.centre),
+            vertices=transformed(self.turn, signs * half) + column(self.centre),
             faces=halves.transpose(1, 2, 0).reshape(3, -1),
             materials=self.materials,
             face_material=self.face_material,
             uv=np.tile([[0.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 0.0]], len(FACES)),
         )
+
+    @cached_property
+    def turn(self) -> Float[np.ndarray, "3 3"]:
+        """The rotation that turns it."""
+        return rotation(self.rotate)
 
     @property
     def kernel(self) -> Kernel:
@@ -158,7 +165,42 @@ def intersect_box(box: Box, rays: Rays, low: float = 0.0) -> Crossing:
     >>> intersect_box(Box((0, 0, 0), (2, 2, 2), "white"), ray).distance
     array([1.])
     """
-    return intersect(box.mesh, rays, low)
+    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
+    for start in range(0, len(rays), BLOCK):
+        block = slice(start, start + BLOCK)
+        part = rays[block]
+        with np.errstate(all="ignore"):
+            ends = np.full(len(part), low), np.full(len(part), np.inf)
+            found = first_crossing(box.mesh, part, _candidates(box, part, *ends), *ends)
+        distance[block], primitive[block] = found.distance, found.primitive
+    return Crossing(distance, primitive)
+
+
+def _candidates(
+    box: Box, rays: Rays, low: PerRay, high: PerRay
+) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
+    """Pairs of a ray and a triangle that may meet: the triangles of the faces through which the ray passes.
+
+    Plain arithmetic in the box's own frame tells, with room for its rounding and for that of the edge functions: a few
+    units in the last place of all the numbers that make up a point, and as many more as a face is seen from its edge.
+    The room is thousands of times as much.  A line almost along a face may meet it anywhere.
+    """
+    origin = transformed(box.turn.T, rays.origin - column(box.centre))
+    direction, half = transformed(box.turn.T, rays.direction), column(box.size) / 2
+    reach = np.abs(origin).sum(axis=0) + half.sum() + np.abs(box.centre).sum()
+    pairs = []
+    for axis in range(3):
+        along = np.abs(direction[axis]) < 1e-9
+        for side, face in ((-1, 2 * axis), (1, 2 * axis + 1)):
+            there = (side * half[axis] - origin[axis]) / direction[axis]
+            room = (1e-9 + 1e-12 / np.abs(direction[axis])) * (reach + np.abs(there))
+            passing = ~along & (there >= low - room)
+            for other in (axis - 2, axis - 1):
+                passing &= np.abs(origin[other] + there * direction[other]) <= half[other] + room
+            ray = np.flatnonzero(passing | along)
+            pairs += [(ray, np.full(ray.size, 2 * face + k)) for k in (0, 1)]
+    ray, triangle = (np.concatenate(part) for part in zip(*pairs, strict=True))
+    return bvh.confirmed(box.mesh.tree, rays, (ray, triangle), low, high)
 
 
 @surface.register(Box)
@@ -225,7 +267,7 @@ def encloses_box(box: Box, point: Point) -> bool:
     >>> encloses_box(Box((0, 0, 0), (2, 2, 2), "white", rotate=(0, 45, 0)), np.array([1.2, 0.0, 0.0]))
     True
     """
-    offset = transformed(rotation(box.rotate).T, point.reshape(3, 1) - column(box.centre))
+    offset = transformed(box.turn.T, point.reshape(3, 1) - column(box.centre))
     return bool(np.all(np.abs(offset) < column(box.size) / 2))
 
 

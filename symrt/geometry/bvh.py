@@ -24,6 +24,12 @@ WAYS = 8
 """Children of a node."""
 
 
+Pairs = tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]
+"""Rays, and what each of them may meet, by number."""
+Kept = tuple[Int[np.ndarray, " kept"], Int[np.ndarray, " kept"]]
+"""Some of those."""
+
+
 @dataclass(frozen=True, eq=False)
 class Tree:
     """Boxes of an eight-way tree, coarse to fine.
@@ -120,11 +126,7 @@ def candidates(
     >>> candidates(tree, ray, np.array([0.0]), np.array([np.inf]))
     (array([0]), array([0]))
     """
-    # A direction of 0 would make 0·∞ on a box's own face; a tiny one decides the same way without it.
-    inverse = 1 / np.where(rays.direction == 0, 1e-290, rays.direction)
-    # Boxes are widened by what rounding may move the ray aside in the test of what is inside.
-    room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
-    path = _Path(rays.origin + room, rays.origin - room, inverse, low, high)
+    path = _path(tree, rays, low, high)
     if kernels := fast.kernels("symrt.geometry.fast.boxes", WAYS * len(rays)):
         return _walked(kernels.walk, tree, path)
 
@@ -160,6 +162,24 @@ def _walked(
         room = count
 
 
+def confirmed(tree: Tree, rays: Rays, pairs: Pairs, low: PerRay, high: PerRay) -> Kept:
+    """Those of some pairs of a ray and a box whose leaf the ray meets: the candidates among them, in a flat tree.
+
+    Examples
+    --------
+    >>> tree = build(low=np.zeros((3, 1)), high=np.ones((3, 1)))
+    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> confirmed(tree, ray, (np.array([0]), np.array([0])), np.array([0.0]), np.array([np.inf]))
+    (array([0]), array([0]))
+    """
+    ray, number = pairs
+    slot = np.argsort(tree.order, kind="stable")[np.count_nonzero(tree.order < 0) :]
+    box = tree.boxes[-1].take(slot[number] // LEAF, axis=2)
+    path = _path(tree, rays, low, high)
+    keep = _meets(box, _Path(*(values.take(ray, axis=-1) for values in path)))
+    return ray[keep], number[keep]
+
+
 class _Path(NamedTuple):
     """Rays as the slab test needs them: origins for the low and for the high face, and the stretch that counts."""
 
@@ -168,6 +188,14 @@ class _Path(NamedTuple):
     inverse: Float[np.ndarray, "3 ray"]
     low: Float[np.ndarray, " ray"]
     high: Float[np.ndarray, " ray"]
+
+
+def _path(tree: Tree, rays: Rays, low: PerRay, high: PerRay) -> _Path:
+    # A direction of 0 would make 0·∞ on a box's own face; a tiny one decides the same way without it.
+    inverse = 1 / np.where(rays.direction == 0, 1e-290, rays.direction)
+    # Boxes are widened by what rounding may move the ray aside in the test of what is inside.
+    room = 8 * ROUNDING * (np.abs(rays.origin).max(axis=0, initial=0) + tree.reach)
+    return _Path(rays.origin + room, rays.origin - room, inverse, low, high)
 
 
 def _meets(box: Float[np.ndarray, "2 3 #pair"], path: _Path) -> Bool[np.ndarray, " pair"]:

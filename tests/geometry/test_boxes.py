@@ -170,3 +170,26 @@ def test_a_box_that_cannot_be_says_why(change, line):
         object.__setattr__(box, name, value)
     with pytest.raises(ValueError, match=line):
         box.__post_init__()
+
+
+@pytest.mark.parametrize("draws", [40, pytest.param(2_000, marks=pytest.mark.exhaustive)])
+def test_a_box_is_met_as_its_triangles_are(draws):
+    # Faces are chosen by plain arithmetic first: thin boxes, far away, and rays almost along a face must not be lost.
+    generator = np.random.default_rng(7)
+    for _ in range(draws):
+        size = 10 ** generator.uniform(-4, 4, 3)
+        turn = generator.choice([0.0, 90.0, 45.0, float(generator.uniform(0, 360))], 3)
+        box = Box(tuple(generator.normal(size=3) * size.max()), tuple(size.tolist()), "white", rotate=tuple(turn))
+        # Aimed at corners, edges, faces and beside them, from inside, near and far.
+        share = generator.choice([-1.0, 1.0, 1 + 1e-12, 0.0, float(generator.uniform(-1.2, 1.2))], (3, 200))
+        target = box.turn @ (share * size[:, None] / 2) + np.reshape(box.centre, (3, 1))
+        towards = directions(generator, 200)
+        along, grazing = generator.integers(0, 3, 200), generator.uniform(size=200) < 0.5
+        towards[along[grazing], np.flatnonzero(grazing)] *= 10 ** generator.uniform(-20, -6, np.sum(grazing))
+        towards = box.turn @ towards
+        towards /= np.sqrt((towards * towards).sum(axis=0))
+        start = target - size.max() * 10 ** generator.uniform(-6, 4, 200) * towards
+        seen = rays(start, towards)
+        found, true = intersect(box, seen), intersect(box.mesh, seen)
+        np.testing.assert_array_equal(found.distance, true.distance)
+        np.testing.assert_array_equal(found.primitive, true.primitive)
