@@ -122,8 +122,8 @@ def check_memory(job: Job, workers: Workers, memory: float | None, rows: tuple[i
     found = of_job(job, workers, rows)
     if found.memory > most:
         raise ValueError(
-            f"{found}; {_short(most / GIB)} GiB are there: render it smaller, or in parts on larger machines, or say how "
-            "much there is: memory=, --memory, in GiB"
+            f"{found}; {_short(most / GIB)} GiB are there: render it smaller, or in parts on larger machines, or say "
+            "how much there is: memory=, --memory, in GiB"
         )
 
 

@@ -6,7 +6,7 @@ Window = tuple[int, int, int, int]
 
 SAMPLES = 32768
 """Film samples in a tile, at most: enough to amortise NumPy's calls, few enough to stay in cache and be shared out."""
-RAYS = 1 << 18
+RAYS = 1 << 19
 """Rays in a tile, at most, as far as the plan expects them: a tree keeps some hundred bytes of each."""
 
 
@@ -29,7 +29,7 @@ def tiles(
     >>> tiles(512, 512, 1)[:2]
     [(0, 0, 512, 64), (0, 64, 512, 128)]
     >>> tiles(512, 512, 1, rays_a_sample=64)[0], tiles(512, 512, 1, rows=(500, 512))
-    ((0, 0, 512, 8), [(0, 500, 512, 512)])
+    ((0, 0, 512, 16), [(0, 500, 512, 512)])
     """
     first, last = rows or (0, height)
     samples = min(SAMPLES, max(1, RAYS // rays_a_sample))

@@ -14,7 +14,7 @@ from symrt.tracing.effects.effect import Call, Effect
 from symrt.tracing.plan import Plan, Planned
 from symrt.tracing.stage import Alternatives
 
-MOST_HITS = 256
+MOST_HITS = 16
 """Hits that a sample is expected to have: rays that branch at each of many levels mostly leave the scene before."""
 
 
