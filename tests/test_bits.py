@@ -24,6 +24,7 @@ CASES = {
     "first": {"name": "first", "size": 64},
     "spheres": {"name": "spheres", "size": 64},
     "globe": {"name": "globe", "size": 64},
+    "metals": {"name": "metals", "size": 48},
     "first, 3 x 3 samples": {"name": "first", "size": 24, "samples": 3},
     "spheres, 2 x 2 samples": {"name": "spheres", "size": 32, "samples": 2},
     "globe, 2 x 2 samples": {"name": "globe", "size": 32, "samples": 2},

@@ -20,6 +20,9 @@ COMPONENTS = {
     "phong_plain": ["diffuse", "specular"],
     "blinn_phong": ["diffuse", "specular"],
     "mirror": ["mirror"],
+    "metal": ["f0"],
+    "metal_f82": ["f0", "f82"],
+    "rough_metal": ["f0"],
 }
 
 
@@ -152,6 +155,14 @@ SMALL = {
     "phong_plain": modelled("phong_plain", exponent=12),
     "blinn_phong": modelled("blinn_phong", exponent=80),
     "mirror": modelled("mirror"),
+    "metal": modelled("metal"),
+    "a metal with its own edge": modelled("metal_f82"),
+    "a rough metal": modelled("rough_metal", exponent=70),
+    "metals that mirror each other, and glint": scene(
+        BALL | {"material": "own"},
+        BALL | {"material": "own", "centre": [1.5, 0.6, 1.1], "radius": 0.6},
+        materials={"own": {"model": ["metal_f82", "rough_metal"], "exponent": 30}},
+    ),
     "a stack of phong and mirror": modelled(["phong", "mirror"], exponent=20),
     "a stack of two diffuse models": modelled(["lambert", "phong_plain"], exponent=20),
     "a point light": lit(lamp=POINT),

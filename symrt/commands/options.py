@@ -10,7 +10,7 @@ DEVICE = "dye3-endura-premier"
 PICTURES = (".png", ".tif", ".tiff", ".npz", ".exr")
 """Endings of the files that a picture can be written to."""
 
-SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file, or globe, spheres or first.")]
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file, or globe, metals, spheres or first.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|SYSTEM", help="A scene, or a rendered system (.npz).")]
 Size = Annotated[str | None, typer.Option("--size", metavar="W[xH]", help="Pixels; the scene's own if not given.")]
 PaletteName = Annotated[str | None, typer.Option("--palette", help="Which palette, if the file has several.")]

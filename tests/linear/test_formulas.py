@@ -57,7 +57,8 @@ def test_letters_and_linear_form_have_the_same_monomials(name):
         before, after = rt.formula(tree, x, y), rt.formula(system, x, y)
         letters = {Factor(k): sympy.Float(v) for k, v in before.values.items()}
         form = {i: c.xreplace(letters).evalf() for i, c in rt.linear_form(before.expression).items()}
-        assert {i for i, c in form.items() if c != 0} == set(rt.linear_form(after.expression))
+        # A highlight far from its peak is smaller than any float: it has no coefficient.
+        assert {i for i, c in form.items() if float(c) != 0} == set(rt.linear_form(after.expression))
 
 
 def test_python_code_runs_and_gives_the_pixel():

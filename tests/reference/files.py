@@ -1,6 +1,7 @@
 """Scene files and palettes, read directly."""
 
 import importlib
+import json
 import math
 import re
 import tomllib
@@ -15,6 +16,8 @@ from reference.records import Scene, Spectrum
 from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
 from reference.textures import banded_relief, checker, label_image, weight_image
 from reference.tracer import mirror_ray
+
+METALS = Path(__file__).parents[2] / "symrt" / "data" / "metals.json"
 
 
 def load(path: str | Path) -> Scene:
@@ -73,6 +76,8 @@ def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
     if family == "illuminant":
         light = colour_science().SDS_ILLUMINANTS[name]
         return [x / luminance(light) for x in on_grid(light, grid)]
+    if family == "metal":
+        return metal(name, grid)
     chart = colour_science().SDS_COLOURCHECKERS["BabelColor Average"]
     # A grey's notation and density may be left out: white is "white 9.5 (.05 D)".
     (patch,) = (
@@ -81,6 +86,14 @@ def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
         if name in (title, re.sub(r"( [\d.]+)? \(.*", "", title), title.split(" (")[0])
     )
     return on_grid(patch, grid)
+
+
+def metal(name: str, grid: list[float] | None) -> Spectrum:
+    """Reflectance along the normal, from n and k between the lines of the table."""
+    nm, n, k = np.array(json.loads(METALS.read_text())[name]["nm, n, k"]).T
+    assert grid is not None, "a table of wavelengths has no red, green and blue here"
+    index = [complex(a, b) for a, b in zip(np.interp(grid, nm, n), np.interp(grid, nm, k), strict=True)]
+    return [abs((1 - m) / (1 + m)) ** 2 for m in index]
 
 
 def colour_science() -> Any:

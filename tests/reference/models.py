@@ -32,6 +32,10 @@ class Seen(NamedTuple):
         return max(0.0, dot(self.normal, unit(add(self.to_light, self.to_eye))))
 
     @property
+    def h_v(self) -> float:
+        return max(0.0, dot(unit(add(self.to_light, self.to_eye)), self.to_eye))
+
+    @property
     def r_v(self) -> float:
         return max(0.0, dot(mirrored(self.to_light, self.normal), self.to_eye))
 
@@ -67,12 +71,34 @@ def mirror(_: Seen, __: Table) -> Shares:
     return [("mirror", 1.0)]
 
 
+def metal(at: Seen, _: Table) -> Shares:
+    """Schlick's formula, f0 + (1 - f0)(1 - cos)^5."""
+    edge = (1 - at.n_v) ** 5
+    return [("f0", 1 - edge), ("", edge)]
+
+
+def metal_f82(at: Seen, material: Table) -> Shares:
+    """Schlick's formula less a (its value where cos is 1/7 - f82), where a is cos (1 - cos)^6 over its value there."""
+    bend = at.n_v * (1 - at.n_v) ** 6 / (1 / 7 * (6 / 7) ** 6)
+    there = (6 / 7) ** 5
+    return [*metal(at, material), ("f0", -bend * (1 - there)), ("", -bend * there), ("f82", bend)]
+
+
+def rough_metal(at: Seen, material: Table) -> Shares:
+    s, edge = material["exponent"], (1 - at.h_v) ** 5
+    lobe = (s + 8) / (8 * math.pi) * at.n_h**s * at.n_l
+    return [("f0", lobe * (1 - edge)), ("", lobe * edge)]
+
+
 MODELS: dict[str, Model] = {
     "lambert": {"direct": lambert, "ambient": from_everywhere},
     "phong": {"direct": phong, "ambient": from_everywhere},
     "phong_plain": {"direct": phong_plain, "ambient": from_everywhere},
     "blinn_phong": {"direct": blinn_phong, "ambient": from_everywhere},
     "mirror": {"reflected": mirror},
+    "metal": {"reflected": metal},
+    "metal_f82": {"reflected": metal_f82},
+    "rough_metal": {"direct": rough_metal},
 }
 
 

@@ -2,10 +2,12 @@
 
 import runpy
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import symrt as rt
 from symrt.geometry import Hits, Mesh, Sphere, load_mesh, nearest, surfaces, weights
 from symrt.geometry.pictures import load_texture
 from symrt.scene import load_scene, shipped_scene
@@ -133,7 +135,7 @@ def test_the_mesh_file_is_what_its_script_makes():
         np.testing.assert_allclose(np.array(a, float), np.array(b, float), atol=2e-5)
 
 
-@pytest.mark.parametrize("name", ["first", "globe", "spheres"])
+@pytest.mark.parametrize("name", ["first", "globe", "metals", "spheres"])
 def test_every_palette_of_a_shipped_scene_gives_every_symbol_and_no_other(name):
     symbols = load_scene(name).symbols
     for palette in load_palettes(shipped_scene(name)).values():
@@ -141,10 +143,38 @@ def test_every_palette_of_a_shipped_scene_gives_every_symbol_and_no_other(name):
 
 
 @pytest.mark.parametrize(
-    ("name", "palettes"), [("first", "plain rgb"), ("globe", "rgb macbeth"), ("spheres", "rgb macbeth")]
+    ("name", "palettes"),
+    [("first", "plain rgb"), ("globe", "rgb macbeth"), ("metals", "rgb measured"), ("spheres", "rgb macbeth")],
 )
 def test_shipped_scenes_have_the_palettes_that_the_examples_name(name, palettes):
     tables = tomllib.loads(shipped_scene(name).read_text(encoding="utf-8"))["palettes"]
     assert set(tables) == set(palettes.split())
     for palette, table in tables.items():
         assert table["bands"] == ("rgb" if palette == "rgb" else [380, 730, 10])
+
+
+def test_the_metals_show_each_other_and_nothing_is_cut_off():
+    scene = load_scene("metals")
+    scene = replace(scene, camera=replace(scene.camera, width=160, height=90, samples=1))
+    system = rt.render(scene, progress=False)
+    palette = load_palettes(shipped_scene("metals"))["measured"]
+    assert rt.shade(system, palette).certificate == "nothing cut off"
+    balls = [material.name for material in scene.materials if material.parameters]
+    assert len(balls) == 5
+    pairs = {tuple(sorted({name.partition(".")[0] for name in i.met} & set(balls))) for i in system.interactions}
+    assert {("copper", "gold"), ("chrome", "gold"), ("gold", "silver"), ("brass", "gold")} <= pairs
+
+
+def test_gold_is_yellow_along_the_normal_and_shows_grey_as_grey_along_its_edge():
+    # Alone in a grey room under grey light: blue against orange is 0.43 where gold is met along the normal.
+    scene = load_scene("metals")
+    scene = replace(scene, camera=replace(scene.camera, samples=1), shapes=[scene.shapes[0], *scene.shapes[5:]])
+    bands = rt.Bands((450.0, 650.0))
+    grey = {symbol: "metal/gold" if symbol == "gold.f0" else 0.5 for symbol in scene.symbols if "." in symbol}
+    palette = rt.Palette(bands, {**grey, "lamp": 1.0, "fill": 1.0})
+    system = rt.collapse(rt.trace(scene, window=(200, 30, 440, 270)))
+    blue, orange = np.moveaxis(rt.shade(system, palette).values, -1, 0)
+    ratio = (blue / orange)[rt.pixels_of(system, "gold")]
+    assert ratio.min() == pytest.approx(np.divide(*rt.spectrum("metal/gold", bands)), rel=0.01)
+    assert 0.9 < ratio.max() < 1
+    assert 0.02 < np.mean(ratio > 0.6) < 0.2
