@@ -30,7 +30,8 @@ from symrt.geometry.rays import (
     translate,
 )
 from symrt.geometry.records import LARGEST, Triple, column, finite, moved, positive, triples
-from symrt.geometry.triangle_mesh import TriangleMesh, first_crossing
+from symrt.geometry.triangle_mesh import TriangleMesh
+from symrt.geometry.triangles import first_crossing
 
 FACES = {
     "left": ((0, 0, 1), (0, 1, 0)),
@@ -171,7 +172,7 @@ def intersect_box(box: Box, rays: Rays, low: float = 0.0) -> Crossing:
         part = rays[block]
         with np.errstate(all="ignore"):
             ends = np.full(len(part), low), np.full(len(part), np.inf)
-            found = first_crossing(box.mesh, part, _candidates(box, part, *ends), *ends)
+            found = first_crossing(box.mesh.corners, box.mesh.unit_normals, part, _candidates(box, part, *ends), *ends)
         distance[block], primitive[block] = found.distance, found.primitive
     return Crossing(distance, primitive)
 

@@ -220,36 +220,8 @@ def _through_ball(
 
 def _nearest_between(mesh: TriangleMesh, rays: Rays, low: PerRay, high: PerRay) -> Crossing:
     """Nearest crossing beyond `low` and up to `high`, by the hierarchy."""
-    return first_crossing(mesh, rays, bvh.candidates(mesh.tree, rays, low, high), low, high)
-
-
-def first_crossing(
-    mesh: TriangleMesh,
-    rays: Rays,
-    pairs: bvh.Pairs,
-    low: PerRay,
-    high: PerRay,
-) -> Crossing:
-    """Nearest crossing beyond `low` and up to `high` of rays with triangles, given in pairs.
-
-    Examples
-    --------
-    >>> corners = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
-    >>> one = TriangleMesh(corners, np.array([[0], [1], [2]]), materials=("red",))
-    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
-    >>> first_crossing(one, ray, (np.array([0]), np.array([0])), np.zeros(1), np.full(1, np.inf)).distance
-    array([3.])
-    """
-    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
-    ray, triangle = pairs
-    found = triangles.crossings(mesh.corners, mesh.unit_normals, rays, ray, triangle)
-    met = (found > low[ray]) & (found <= high[ray]) & (found < np.inf)
-    ray, triangle, found = ray[met], triangle[met], found[met]
-    order = np.lexsort((triangle, found, ray))
-    ray, triangle, found = ray[order], triangle[order], found[order]
-    first = np.flatnonzero(np.diff(ray, prepend=-1))
-    distance[ray[first]], primitive[ray[first]] = found[first], triangle[first]
-    return Crossing(distance, primitive)
+    pairs = bvh.candidates(mesh.tree, rays, low, high)
+    return triangles.first_crossing(mesh.corners, mesh.unit_normals, rays, pairs, low, high)
 
 
 @surface.register(TriangleMesh)

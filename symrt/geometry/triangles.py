@@ -13,8 +13,8 @@ References
 import numpy as np
 from jaxtyping import Float, Int
 
-from symrt.arrays import Point, dot, exact, normalise, pair_cross, pair_dot, two_sum
-from symrt.geometry.rays import Rays
+from symrt.arrays import PerRay, Point, dot, exact, normalise, pair_cross, pair_dot, two_sum
+from symrt.geometry.rays import Crossing, Rays
 
 Corners = Float[np.ndarray, "3 3 face"]
 """Corner, axis, face."""
@@ -63,6 +63,36 @@ def crossings(
         there = np.clip(np.where(np.isfinite(plane), plane, low), low, high)
         found[met] = np.where(normals.take(triangle[met], axis=1).any(axis=0), there, np.inf)
     return found
+
+
+def first_crossing(
+    corners: Corners,
+    normals: Float[np.ndarray, "3 face"],
+    rays: Rays,
+    pairs: tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]],
+    low: PerRay,
+    high: PerRay,
+) -> Crossing:
+    """Nearest crossing beyond `low` and up to `high` of rays with triangles, given in pairs; the lower of two alike.
+
+    Examples
+    --------
+    >>> corners = np.array([[[0.0], [0.0], [0.0]], [[1.0], [0.0], [0.0]], [[0.0], [1.0], [0.0]]])
+    >>> ray = Rays(origin=np.array([[0.2], [0.2], [3.0]]), direction=np.array([[0.0], [0.0], [-1.0]]))
+    >>> one = np.array([0]), np.array([0])
+    >>> first_crossing(corners, unit_normals(corners), ray, one, np.zeros(1), np.full(1, np.inf)).distance
+    array([3.])
+    """
+    distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
+    ray, triangle = pairs
+    found = crossings(corners, normals, rays, ray, triangle)
+    met = (found > low[ray]) & (found <= high[ray]) & (found < np.inf)
+    ray, triangle, found = ray[met], triangle[met], found[met]
+    order = np.lexsort((triangle, found, ray))
+    ray, triangle, found = ray[order], triangle[order], found[order]
+    first = np.flatnonzero(np.diff(ray, prepend=-1))
+    distance[ray[first]], primitive[ray[first]] = found[first], triangle[first]
+    return Crossing(distance, primitive)
 
 
 def _edge_functions(
