@@ -35,6 +35,14 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.config.get_terminal_writer().line(f"skipped in CI for want of a package: {', '.join(MISSING)}")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def kernels():
+    """Load the kernels first: no answer depends on it, but the time at which they are compiled is no test's own."""
+    from symrt import fast  # noqa: PLC0415  # after the types are watched
+
+    return fast.load()
+
+
 @pytest.fixture
 def run(capsys, monkeypatch, tmp_path):
     """The command line, in a folder of its own: exit code, standard output and standard error."""

@@ -35,6 +35,11 @@ def test_machine_code_of_another_arithmetic_is_not_used(path):
     assert f'TAKES = "{digest()}"' in path.read_text()
 
 
+def test_all_kernels_are_known():
+    modules = {".".join(path.relative_to(HOME).with_suffix("").parts) for path in KERNELS}
+    assert modules == {*fast.ROOMS, "symrt.fast.canary"}
+
+
 def python(script, **environment):
     """What a script says on standard output and on standard error, in a new process."""
     done = subprocess.run(

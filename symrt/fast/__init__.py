@@ -17,6 +17,15 @@ from types import ModuleType
 WORTH = 2_000_000
 """Pairs of a ray and a shape after which kernels are loaded: NumPy takes as long for them as loading does."""
 
+ROOMS = (
+    "symrt.geometry.fast.boxes",
+    "symrt.geometry.fast.flats",
+    "symrt.geometry.fast.quadrics",
+    "symrt.geometry.fast.triangles",
+    "symrt.gamut.fast.slabs",
+)
+"""The modules of kernels."""
+
 _WANTED: ContextVar[bool | None] = ContextVar("wanted", default=None)
 _LOADING = Lock()
 _ROOMS: dict[str, ModuleType | None] = {}
@@ -106,24 +115,46 @@ def kernels(room: str, pairs: int) -> ModuleType | None:
         _LOADING.release()
 
 
+def load() -> bool:
+    """Load every kernel now, compiled if need be, and say whether they are used: for a machine that is made ready.
+
+    Examples
+    --------
+    >>> load() == available()
+    True
+    """
+    with _LOADING:
+        return all(_load(room) is not None for room in ROOMS)
+
+
 def _load(room: str) -> ModuleType | None:
     """Load a module of kernels, after a canary; say once why that cannot be done."""
     if room not in _ROOMS:
-        try:
-            from numba.core.event import install_listener  # noqa: PLC0415  # slow to import, and optional
-
-            notice = import_module("symrt.fast.notice")
-            with install_listener("numba:compile", notice.Notice()):
-                canary = import_module("symrt.fast.canary")
-                fault = canary.fault()
-                _ROOMS["symrt.fast.canary"] = None if fault else canary
-                _ROOMS[room] = None if fault else import_module(room)
-        except ModuleNotFoundError as error:
-            if not (error.name or "").startswith("numba"):
-                raise
-            _ROOMS[room], fault = None, ""
-        except (ImportError, RuntimeError) as error:  # of an unfit NumPy, or without a folder to keep machine code in
-            _ROOMS[room], fault = None, " ".join(str(error).split())
+        _ROOMS[room], fault = _tried(room)
         if fault:
             warnings.warn(f"the extra `fast` is left unused, NumPy does it all: {fault}", RuntimeWarning, stacklevel=2)
     return _ROOMS[room]
+
+
+def _tried(room: str) -> tuple[ModuleType | None, str]:
+    """A module of kernels, or None and what keeps it from being used: nothing, where Numba is not installed."""
+    try:
+        from numba.core import errors, event  # noqa: PLC0415  # slow to import, and optional
+    except ModuleNotFoundError as error:
+        if not (error.name or "").startswith("numba"):
+            raise
+        return None, ""
+    except ImportError as error:  # an unfit NumPy
+        return None, _line(error)
+    try:
+        with event.install_listener("numba:compile", import_module("symrt.fast.notice").Notice()):
+            canary = import_module("symrt.fast.canary")
+            if fault := canary.fault():
+                return None, str(fault)
+            return import_module(room), ""
+    except (RuntimeError, OSError, errors.NumbaError) as error:  # no place for machine code, a full disk, another Numba
+        return None, _line(error)
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())
