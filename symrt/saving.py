@@ -75,6 +75,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         # Files of all other systems stay as they were before there was such a record.
         place = {interaction: k for k, interaction in enumerate(system.interactions)}
         header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
+    if system.subtracting:
+        header["subtracting"] = list(system.subtracting)
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -127,6 +129,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         tail=None if tail is None else Tail(bound, tail, reflected, passed),
         seconds={name: _number(v) for name, v in _table(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
+        subtracting=tuple(map(_text, _list(header.get("subtracting", [])))),
     )
 
     # Parts that fit each other.
@@ -156,6 +159,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     for kind, names, rule in (
         ("light", system.white, NAME),
         ("material", system.models, NAME),
+        ("material", system.subtracting, NAME),
         ("reflectance", sorted(met), OF_MATERIAL),
         ("parameter", system.parameters, OF_MATERIAL),
         ("parameter", sorted({name for by in system.interpolated.values() for name in by}), OF_MATERIAL),
@@ -211,7 +215,9 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    if unknown := (set(header) - {"format", "version", "digest", "interpolated", *KEYS}) | (set(arrays) - ARRAYS):
+    if unknown := (set(header) - {"format", "version", "digest", "interpolated", "subtracting", *KEYS}) | (
+        set(arrays) - ARRAYS
+    ):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 
 

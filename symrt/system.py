@@ -14,10 +14,11 @@ from scipy import sparse
 
 from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
+from symrt.symbols import Symbol
 from symrt.table import html_table
 
 OWN = "a negative term"
-"""Why a column is signed that was written so, or whose formula subtracts."""
+"""Why a column is signed that was written so."""
 Shares = tuple[tuple[tuple[str, ...], float], ...]
 """Terms of a sum: reflectances, and a number that multiplies them."""
 
@@ -74,6 +75,8 @@ class LinearSystem:
     interpolated
         For columns that `at` summed with negative weights, the parameters whose weights they were; without those that
         had negative coefficients before.
+    subtracting
+        Materials whose models may subtract, as one with an F82 does.
     """
 
     G: sparse.csr_array
@@ -86,6 +89,7 @@ class LinearSystem:
     tail: Tail | None = None
     seconds: Mapping[str, float] = field(default_factory=dict)
     interpolated: Mapping[Interaction, tuple[str, ...]] = field(default_factory=dict)
+    subtracting: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -185,7 +189,7 @@ class LinearSystem:
         by: dict[Interaction, set[str]] = {interaction: set() for interaction in interactions}
         for before, after in zip(self.interactions, left, strict=True):
             by[after] |= {*self.interpolated.get(before, ()), *(name for name, _ in before.nodes if name in turning)}
-        own = {after for before, after in zip(self.interactions, left, strict=True) if self.signed.get(before) == OWN}
+        own = {after for before, after in zip(self.interactions, left, strict=True) if before in self._own_signs}
         return replace(
             self,
             G=(self.G @ to).tocsr(),
@@ -269,18 +273,33 @@ class LinearSystem:
         >>> {str(i): why for i, why in LinearSystem.of("0.5*sun*sea.diffuse - 0.1*sky*sea.diffuse").signed.items()}
         {'sky*sea.diffuse': 'a negative term'}
         """
-        negative = np.zeros(len(self.interactions), dtype=bool)
-        negative[self.G.indices[self.G.data < 0]] = True
         found = {}
-        for interaction, below in zip(self.interactions, negative.tolist(), strict=True):
+        for interaction in self.interactions:
             # The weight of a single node is always 1.
             free = [n for n, _ in interaction.nodes if n not in self.parameters or self.parameters[n].count > 1]
             by = [*self.interpolated.get(interaction, ()), *free]
-            if below and not self.interpolated.get(interaction):
-                found[interaction] = OWN
-            elif below or free:
+            if interaction in self._own_signs:
+                found[interaction] = self._subtracted_by(interaction)
+            elif interaction in self._negative or free:
                 found[interaction] = f"interpolation in {', '.join(by)}"
         return found
+
+    @cached_property
+    def _negative(self) -> frozenset[Interaction]:
+        """The columns with a negative coefficient."""
+        return frozenset(self.interactions[column] for column in np.unique(self.G.indices[self.G.data < 0]))
+
+    @property
+    def _own_signs(self) -> frozenset[Interaction]:
+        """The columns with a negative coefficient that no interpolation gave them."""
+        return self._negative - {interaction for interaction, by in self.interpolated.items() if by}
+
+    def _subtracted_by(self, interaction: Interaction) -> str:
+        """The reason that a column has a negative coefficient: the models of some materials, or that it was written."""
+        met = {Symbol.of(name).material for name in interaction.met}
+        # A term of a model may name none of its own reflectances: then it is one of all that may subtract.
+        materials = [name for name in self.subtracting if name in met] or list(self.subtracting)
+        return f"the model of {' or '.join(materials)} subtracts" if materials else OWN
 
     @property
     def lights(self) -> tuple[str, ...]:

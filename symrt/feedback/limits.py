@@ -171,6 +171,10 @@ def limits(
     )
 
 
+OTHERWISE = "; or give the material a model that only adds, 'metal' for 'metal_f82'"
+"""The way out of questions that negative coefficients stop, for whoever made the scene."""
+
+
 def rising_limits(
     system: LinearSystem, palette: Palette, gamut: ConvexGamut | UnevenGamut, reference: Reference | None = None
 ) -> Limits:
@@ -192,10 +196,11 @@ def rising_limits(
             f"{asked.gamut.name}: more light may bring a colour inside as well as out, so that scales cannot be fitted "
             "together: use adapt, which fits them to the device's envelope and dims; or feasible, for one parameter"
         )
-    if column := next(iter(system.signed), None):
+    # The column that is named is one of few reflectances.
+    if column := min(system.signed, key=lambda i: (i.degree, i), default=None):
         raise ValueError(
             f"{column} has negative coefficients ({system.signed[column]}), so that a scale can darken a pixel: ask "
-            "for one scale at a time, with feasible"
+            f"for one scale at a time, with feasible{OTHERWISE if system.subtracting else ''}"
         )
     return asked
 

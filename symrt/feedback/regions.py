@@ -59,7 +59,16 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     renamed = {_renamed(i, material, name): by for i, by in system.interpolated.items()}
     left = set(interactions)
     interpolated = {i: by for i, by in {**system.interpolated, **renamed}.items() if i in left}
-    return replace(system, G=matrix, interactions=interactions, tail=tail, models=models, interpolated=interpolated)
+    subtracting = (*system.subtracting, *([name] if material in system.subtracting else []))
+    return replace(
+        system,
+        G=matrix,
+        interactions=interactions,
+        tail=tail,
+        models=models,
+        interpolated=interpolated,
+        subtracting=subtracting,
+    )
 
 
 def with_region(palette: Palette, material: str, name: str) -> Palette:

@@ -37,6 +37,18 @@ def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> f
     return min(_size(_interval(formula, ranges)), max(_size(_interval(f, ranges)) for f in _extremes(formula)))
 
 
+def may_subtract(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> bool:
+    """True unless the number before each product of reflectances is known to be 0 or more.
+
+    Examples
+    --------
+    >>> from symrt.reflection import MODELS
+    >>> {name: may_subtract(MODELS[name].reflected, {}) for name in ("metal", "metal_f82")}
+    {'metal': False, 'metal_f82': True}
+    """
+    return not all(_interval(coefficient, ranges).a >= 0 for coefficient in monomials(formula).values())
+
+
 def _extremes(formula: sympy.Expr) -> Iterator[sympy.Expr]:
     """The formula with each reflectance 0 or 1: one that is affine in each of them is largest, and smallest, there."""
     reflectances = sorted(formula.atoms(Reflectance), key=str)

@@ -116,6 +116,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         white=tree.white,
         models=program.signatures,
         parameters=program.nodes,
+        subtracting=program.subtracting,
         tail=Tail(*assemble(found.tail, tree.width * tree.height), reflected, passed),
     )
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symrt.linear.bounds import largest
+from symrt.linear.bounds import largest, may_subtract
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.linear.corners import corners
 from symrt.nodes import Nodes
@@ -36,6 +36,8 @@ class Program:
         For each material of the scene, sums that bound the share that it sends on of what further rays bring.
     lit
         The materials that lights shine on.
+    subtracting
+        The materials some formula of which may have a term that takes away.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
@@ -44,6 +46,7 @@ class Program:
     brightest: Mapping[str, float]
     sent: Mapping[str, tuple[Shares, ...]]
     lit: frozenset[str]
+    subtracting: tuple[str, ...]
 
 
 def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
@@ -66,6 +69,15 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
         brightest={field: _brightest(field, materials, nodes) for field in LIT},
         sent=_sent(materials, nodes),
         lit=frozenset(Surface.of(n).place for n, m in materials.items() if any(m.model.formulas[f] != 0 for f in LIT)),
+        subtracting=tuple(
+            sorted(
+                {
+                    Surface.of(name).material
+                    for name, record in materials.items()
+                    if any(may_subtract(f, _ranges(name, record, nodes)) for f in record.model.formulas.values())
+                }
+            )
+        ),
     )
 
 
