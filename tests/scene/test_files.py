@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import sympy
 import tomli_w
+from scenes_for_tests import every_scene
 
 from symrt.errors import SceneError
 from symrt.geometry import BandedRelief, Checker, Mesh, Sphere
@@ -115,7 +116,7 @@ def test_a_file_becomes_the_records_that_python_would_make(tmp_path):
     assert (scene.camera.field_of_view, scene.camera.samples, scene.camera.type) == (40.0, 1, "perspective")
 
 
-@pytest.mark.parametrize("name", ["first", "globe", "metals", "spheres"])
+@pytest.mark.parametrize("name", every_scene())
 def test_every_shipped_scene_loads_by_its_bare_name_from_anywhere(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert load_scene(name) == load_scene(shipped_scene(name))

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scenes_for_tests import every_scene
 
 import symrt as rt
 from symrt.geometry import Hits, Mesh, Sphere, load_mesh, nearest, surfaces, weights
@@ -135,18 +136,16 @@ def test_the_mesh_file_is_what_its_script_makes():
         np.testing.assert_allclose(np.array(a, float), np.array(b, float), atol=2e-5)
 
 
-@pytest.mark.parametrize("name", ["first", "globe", "metals", "spheres"])
+@pytest.mark.parametrize("name", every_scene())
 def test_every_palette_of_a_shipped_scene_gives_every_symbol_and_no_other(name):
     symbols = load_scene(name).symbols
     for palette in load_palettes(shipped_scene(name)).values():
         assert sorted(palette.spectra) == sorted(symbols)
 
 
-@pytest.mark.parametrize(
-    ("name", "palettes"),
-    [("first", "plain rgb"), ("globe", "rgb macbeth"), ("metals", "rgb measured"), ("spheres", "rgb macbeth")],
-)
-def test_shipped_scenes_have_the_palettes_that_the_examples_name(name, palettes):
+@pytest.mark.parametrize("name", every_scene())
+def test_shipped_scenes_have_the_palettes_that_the_examples_name(name):
+    palettes = {"first": "plain rgb", "metals": "rgb measured"}.get(name, "rgb macbeth")
     tables = tomllib.loads(shipped_scene(name).read_text(encoding="utf-8"))["palettes"]
     assert set(tables) == set(palettes.split())
     for palette, table in tables.items():

@@ -38,7 +38,7 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:
         without="no material is of glass",
         rays=f"2 a hit, {scene.depth} deep, down to {PRUNED:.1%} of a sample",
         left_out="" if scene.depth else "the depth is 0",
-        onwards=2,
+        onwards=1,  # of two ways the weaker is soon not worth following
     )
 
 
