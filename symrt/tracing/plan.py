@@ -8,7 +8,7 @@ from symrt.table import html_table, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
-Status = Literal["not called for", "simulated", "left out, bounded"]
+Status = Literal["not called for", "simulated", "left out, bounded", "left out, not bounded"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,8 @@ class Planned:
     ----------
     state
         ``not called for``: nothing in the scene needs it, and nothing is lost.  ``left out, bounded``: something does,
-        and the error without it is bounded in the system's tail.
+        and the error without it is bounded in the system's tail.  ``left out, not bounded``: something
+        does, and no bound is known, so that certificates are of everything else.
     called_by
         Names of the lights, materials or textures that call for it.
     why

@@ -11,7 +11,7 @@ from symrt.geometry.rays import encloses
 from symrt.scene.records import Scene
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import Call, Effect
-from symrt.tracing.plan import Plan, Planned
+from symrt.tracing.plan import Plan, Planned, Status
 from symrt.tracing.stage import Alternatives
 
 MOST_HITS = 16
@@ -42,6 +42,7 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     shadows        simulated       sun                              1 a hit
     mirrors        not called for  no material mirrors              none
     refraction     not called for  no material is of glass          none
+    caustics       not called for  no material is of glass          none
     ambient        not called for  no light is ambient              none
     textures       not called for  no surface has one               none
     supersampling  not called for  the pixel's centre is asked for  none
@@ -97,13 +98,15 @@ def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
         raise ValueError(f"force: {effect.name} cannot be simulated: {left_out}")
     if forced is False and effect.needed:
         raise ValueError(f"force: {effect.name} cannot be left out: {effect.needed}")
-    return Planned(effect.name, "left out, bounded", call.by, left_out, "none")
+    state: Status = "left out, not bounded" if effect.unbounded else "left out, bounded"
+    return Planned(effect.name, state, call.by, left_out, "none")
 
 
 def _counted(planned: list[Planned], calls: Mapping[str, Call], depth: int) -> Iterator[Planned]:
     """The effects with the rays that a sample is expected to cost, as if each of its rays met something."""
     simulated = [calls[effect.name] for effect in planned if effect.simulated]
-    sent = sum(call.onwards for call in simulated)
+    # A hit is mostly of one material, which sends rays on by one effect.
+    sent = max((call.onwards for call in simulated), default=0)
 
     # Hits of a sample, level by level; where they branch, no more are expected than MOST_HITS.
     hits, level = 1, 1

@@ -131,6 +131,20 @@ def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ..
     return (*(name for name in used if name in sending), *others)
 
 
+def refracting(scene: Scene, alternatives: Alternatives) -> tuple[str, ...]:
+    """Names of the materials of some shape, or alternatives to them, that light goes through or that mirror as glass.
+
+    Examples
+    --------
+    >>> from symrt.scene import load_scene, shipped_scene
+    >>> refracting(load_scene(shipped_scene("glass")), {})
+    ('glass', 'flint', 'water')
+    """
+    sending = (name for via in ("transmitted", "reflected") for name in senders(scene, alternatives, via))
+    glass = (name for name in sending if scene.material(Surface.of(name).material).reflection.refracts)
+    return tuple(dict.fromkeys(glass))
+
+
 def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, ...]]:
     """The formulas by which each material's surfaces send rays on, those of its alternatives included."""
     formulas = sorted({via for material in scene.materials for via in material.reflection.sending})

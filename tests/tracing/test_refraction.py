@@ -192,6 +192,20 @@ def test_what_refraction_would_bring_is_bounded_without_it():
     assert "refraction" not in rt.plan(replace(scene, shapes=scene.shapes[1:]))
 
 
+def test_caustics_stand_in_the_plan_as_left_out():
+    chosen = {effect.name: effect for effect in rt.plan(scene_of_glass()).effects}
+    assert (chosen["caustics"].state, chosen["caustics"].called_by) == ("left out, not bounded", ("ball",))
+    assert "its shadows are full" in chosen["caustics"].why
+    assert chosen["mirrors"].state == "not called for"
+    # Certificates are of everything else.
+    image = rt.shade(
+        rt.render(scene_of_glass(), progress=False), rt.Palette(rt.RGB, {"sun": 2, "sky": 1, "floor.diffuse": 0.5})
+    )
+    assert image.cut_off.max() < np.inf
+    with pytest.raises(ValueError, match="caustics cannot be simulated: light is not followed through glass"):
+        rt.plan(scene_of_glass(), force={"caustics": True})
+
+
 def test_a_users_own_model_lets_light_through_a_tint():
     tint = rt.Material("ball", Model(reflected=fresnel, transmitted=transmission * mirror), index=1.5)
     scene = scene_of_glass()

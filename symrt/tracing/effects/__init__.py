@@ -5,6 +5,7 @@ A scene pays only for the effects that something in it calls for.  To add one, w
 """
 
 from symrt.tracing.effects.ambient import AMBIENT
+from symrt.tracing.effects.caustics import CAUSTICS
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.mirrors import MIRRORS
@@ -12,6 +13,6 @@ from symrt.tracing.effects.refraction import REFRACTION
 from symrt.tracing.effects.shadows import SHADOWS
 from symrt.tracing.effects.textures import TEXTURES
 
-EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, REFRACTION, AMBIENT, TEXTURES, SUPERSAMPLING)
+EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, REFRACTION, CAUSTICS, AMBIENT, TEXTURES, SUPERSAMPLING)
 
 __all__ = ["EFFECTS", "Call", "Effect", "Sent"]

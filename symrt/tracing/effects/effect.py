@@ -85,6 +85,8 @@ class Effect:
         The call of a scene, with its alternative materials, for this effect.
     needed
         The reason that it cannot be left out on request; empty where the error without it can be bounded.
+    unbounded
+        True if no bound is known of the error without it: certificates are of everything else then.
     film
         The samples of the film in a window, and their rays from the camera; the pixels' centres without it.
     surface
@@ -102,6 +104,7 @@ class Effect:
     name: str
     call: Callable[[Scene, Alternatives], Call]
     needed: str = ""
+    unbounded: bool = False
     film: Callable[[Camera, Window], tuple[Film, Rays]] | None = None
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
     arriving: Callable[[Stage, View, Which, Vectors, PerHit, Counter[str]], PerHit] | None = None

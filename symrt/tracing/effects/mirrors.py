@@ -5,17 +5,18 @@ import numpy as np
 from symrt.arrays import dot, normalise
 from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
-from symrt.symbols import Surface
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
-from symrt.tracing.stage import Alternatives, Stage, senders
+from symrt.tracing.stage import Alternatives, Stage, refracting, senders
 from symrt.tracing.view import View
 
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:
+    # Glass mirrors by its index, which is another effect's to follow.
+    glass = refracting(scene, alternatives)
     return Call(
-        tuple(name for name in senders(scene, alternatives, "reflected") if not _refracts(scene, name)),
+        tuple(name for name in senders(scene, alternatives, "reflected") if name not in glass),
         without="no material mirrors",
         rays=f"{scene.depth} a sample",
         left_out="" if scene.depth else "the depth is 0",
@@ -45,11 +46,6 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
     rays = spawn(*place, normalise(direction), view.leaving[:, hit])
     return (Sent("reflected", hit, rays, np.ones(hit.size)),)
-
-
-def _refracts(scene: Scene, name: str) -> bool:
-    """Whether a material mirrors as glass does, which is another effect's to follow."""
-    return scene.material(Surface.of(name).material).reflection.refracts
 
 
 MIRRORS = Effect("mirrors", _call, onwards=_onwards)

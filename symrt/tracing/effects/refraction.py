@@ -16,12 +16,11 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerRay, dot, normalise
 from symrt.geometry.rays import Rays, spawn
 from symrt.scene.records import Scene
-from symrt.symbols import Surface
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
 from symrt.tracing.refracting import Interface, interface
-from symrt.tracing.stage import Alternatives, Stage, senders
+from symrt.tracing.stage import Alternatives, Stage, refracting
 from symrt.tracing.view import View, Which
 
 PRUNED = 1e-3
@@ -31,10 +30,8 @@ CARRIED = "carried"
 
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:
-    sending = [name for via in ("transmitted", "reflected") for name in senders(scene, alternatives, via)]
-    glass = (name for name in sending if scene.material(Surface.of(name).material).reflection.refracts)
     return Call(
-        tuple(dict.fromkeys(glass)),
+        refracting(scene, alternatives),
         without="no material is of glass",
         rays=f"2 a hit, {scene.depth} deep, down to {PRUNED:.1%} of a sample",
         left_out="" if scene.depth else "the depth is 0",
