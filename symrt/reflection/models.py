@@ -129,6 +129,11 @@ class Model:
         return frozenset(name for name, formula in self.formulas.items() if name not in LIT and monomials(formula))
 
     @cached_property
+    def always_there(self) -> bool:
+        """True if a term of some formula names no reflectance: no spectrum of the material takes it away."""
+        return any(() in monomials(formula) for formula in self.formulas.values())
+
+    @cached_property
     def sent_on(self) -> sympy.Expr:
         """The share of what further rays bring that is sent on, by all formulas together, if all brought the same."""
         total = sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))

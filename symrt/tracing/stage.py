@@ -166,6 +166,13 @@ def _checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternati
         for name in (material, *others):
             if name not in known:
                 raise ValueError(f"alternatives: there is no material {name!r}; the scene has {', '.join(known)}")
+        # An alternative weighs nothing until a blend gives its reflectances weight.
+        for name in (material, *others) if others else ():
+            if scene.material(name).reflection.always_there:
+                raise ValueError(
+                    f"alternatives: {name!r} has a term that names no reflectance, as a metal's edge, which no blend "
+                    "can weigh: metals of one model blend without alternatives; or give it another model, as 'mirror'"
+                )
     return {material: tuple(dict.fromkeys(others)) for material, others in alternatives.items()}
 
 

@@ -9,6 +9,7 @@ from scenes_for_tests import SCENES, camera, every_scene, hall_of_mirrors, mirro
 from sympy import pi
 
 import symrt as rt
+from symrt.feedback.parameters import moved
 from symrt.reflection import diffuse, mirror, n_dot_l, n_dot_v, reflectance
 from symrt.reflection.symbols import GEOMETRY
 from symrt.tracing.factors import factors, reflect
@@ -255,6 +256,28 @@ def test_the_certificate_counts_an_alternatives_mirror_once_the_palette_names_it
     assert rt.shade(system, palette).certificate == "nothing cut off"
     mixed = rt.shade(system, palette.add({"floor>ball.mirror": 0.5}))
     assert np.all((mixed.cut_off > 0) & np.isfinite(mixed.cut_off))
+
+
+@pytest.mark.parametrize("own", ["floor", "ball"])
+def test_a_metal_is_no_alternative_because_its_edge_is_there_whatever_its_spectra(own):
+    # Its white edge would be seen in a picture that no blend was asked of.
+    base = mirrors(model="metal" if own == "ball" else "lambert")
+    scene = replace(base, materials=[*base.materials, rt.Material("gold", model="metal")])
+    other = "gold" if own == "floor" else "floor"
+    with pytest.raises(ValueError, match=r"alternatives: '(gold|ball)' has a term that names no reflectance.*'mirror'"):
+        rt.trace(scene, alternatives={own: [other]})
+    assert rt.trace(scene, alternatives={own: []}).levels
+
+
+def test_metals_of_one_model_blend_without_alternatives():
+    base = mirrors(model="metal")
+    scene = replace(base, materials=[*base.materials, rt.Material("gold", model="metal")])
+    system = rt.render(scene, progress=False)
+    spectra = {"sun": 1, "sky": 0.2, "floor.diffuse": 0.6, "ball.f0": "metal/iron", "gold.f0": "metal/gold"}
+    palette = rt.Palette(rt.wavelengths(400, 700, 100), spectra)
+    ends = moved(system, palette, rt.Blend("ball", "gold"), 1.0)
+    gold = rt.shade(system, palette.replace({"ball.f0": "metal/gold"})).values
+    np.testing.assert_allclose(rt.shade(system, ends).values, gold, rtol=1e-14)
 
 
 def test_an_alternative_named_twice_counts_once_and_names_come_in_a_list():
