@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from symrt.errors import shown
 from symrt.linear.collapse import run
 from symrt.linear.job import Job, make_job
 from symrt.linear.program import Free, Values
@@ -20,6 +21,8 @@ COARSE = 1 << 14
 """Camera rays of the coarse render."""
 LARGE = 1 << 20
 """Samples of a film from which on a render is estimated before it starts."""
+GROUP, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
+"""Where Linux says which group of processes this one is in, and what each group may use."""
 START, A_RAY, AN_ENTRY, A_PIXEL = 320 << 20, 250, 13.5, 32
 """Bytes: of Python and the libraries, of a ray in a tile, of a coefficient with its reserve, of a pixel's rows."""
 
@@ -97,16 +100,17 @@ def of_job(job: Job, workers: Workers = None, rows: tuple[int, int] | None = Non
     entries = (system.G.nnz + (system.tail.bound.nnz if system.tail else 0)) * pixels / coarse
     in_tiles = min(SAMPLES * job.plan.rays_a_sample, RAYS, samples * job.plan.rays_a_sample)
     working = workers if isinstance(workers, int) else processors()
+    programs = 1 + working if workers == "processes" else 1
     return Estimate(
         pixels=pixels,
         rays=round(sum(tree.rays.values()) * samples / coarse),
         coefficients=round(system.G.nnz * pixels / coarse),
-        memory=round(START + AN_ENTRY * entries + A_PIXEL * pixels + working * A_RAY * in_tiles),
+        memory=round(START * programs + AN_ENTRY * entries + A_PIXEL * pixels + working * A_RAY * in_tiles),
         seconds=spent * samples / coarse,
     )
 
 
-def check_memory(job: Job, workers: Workers, memory: float | None, rows: tuple[int, int] | None = None) -> None:
+def check_memory(job: Job, workers: Workers, memory: float | int | None, rows: tuple[int, int] | None = None) -> None:
     """Refuse a render of many samples that needs more memory than there is.
 
     Parameters
@@ -114,6 +118,8 @@ def check_memory(job: Job, workers: Workers, memory: float | None, rows: tuple[i
     memory
         Gibibytes that there are; those of this machine, or of the job that it runs, if not given.
     """
+    if memory is not None and not memory > 0:
+        raise ValueError(f"memory = {shown(memory)}: give the GiB that there are, more than 0")
     camera = job.stage.camera
     high = camera.height if rows is None else rows[1] - rows[0]
     most = machine_memory() if memory is None else memory * GIB
@@ -134,11 +140,9 @@ def machine_memory() -> float | None:
         known.append(float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
 
     # Schedulers and containers give less than the machine has: the limit of a group holds for all groups within it.
-    group = Path("/proc/self/cgroup")
-    if group.is_file():
-        place = group.read_text().strip().rpartition("::")[2].lstrip("/")
-        folders = [Path("/sys/fs/cgroup", place), *Path("/sys/fs/cgroup", place).parents]
-        limits = (folder / "memory.max" for folder in folders)
+    if GROUP.is_file():
+        place = GROUPS / GROUP.read_text().strip().rpartition("::")[2].lstrip("/")
+        limits = (folder / "memory.max" for folder in (place, *place.parents))
         known += [float(text) for limit in limits if limit.is_file() and (text := limit.read_text().strip()).isdigit()]
     return min(known, default=None)
 

@@ -37,7 +37,7 @@ def render_part(  # noqa: PLR0913  # a public verb names its options
     force: Mapping[str, bool] | None = None,
     executor: Executor | None = None,
     workers: Workers = None,
-    memory: float | None = None,
+    memory: float | int | None = None,
     progress: bool = True,
 ) -> Path:
     """Render one part of a picture into a file; a part that is there already is left as it is.

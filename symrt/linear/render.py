@@ -33,7 +33,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     executor: Executor | None = None,
     workers: Workers = None,
     save: str | Path | None = None,
-    memory: float | None = None,
+    memory: float | int | None = None,
     progress: bool = True,
 ) -> LinearSystem:
     """Trace a scene and collapse it, tile by tile.

@@ -182,7 +182,20 @@ def test_a_render_that_needs_more_memory_than_there_is_is_refused_before_it_star
     for verb in (rt.render, lambda scene, **how: rt.render_part(scene, (1, 1), tmp_path, **how)):
         with pytest.raises(ValueError, match=r"GiB of memory.*; 0\.001 GiB are there: .*--memory, in GiB"):
             verb(large, memory=0.001, progress=False)
+        for wrong in (0, -1.0, float("nan")):
+            with pytest.raises(ValueError, match=f"memory = {wrong}: give the GiB that there are, more than 0"):
+                verb(large, memory=wrong, progress=False)
     assert machine_memory() > 1 << 28
+
+
+def test_the_memory_of_a_group_is_that_of_the_smallest_it_is_in(tmp_path, monkeypatch):
+    (tmp_path / "proc").write_text("0::/slurm/job_7/step\n")
+    (tmp_path / "fs" / "slurm" / "job_7" / "step").mkdir(parents=True)
+    for folder, limit in (("slurm", "9000"), ("slurm/job_7", "4096"), ("slurm/job_7/step", "max")):
+        (tmp_path / "fs" / folder / "memory.max").write_text(f"{limit}\n")
+    monkeypatch.setattr(import_module("symrt.linear.estimate"), "GROUP", tmp_path / "proc")
+    monkeypatch.setattr(import_module("symrt.linear.estimate"), "GROUPS", tmp_path / "fs")
+    assert machine_memory() == 4096
 
 
 def test_an_estimate_counts_what_a_render_then_has(monkeypatch):
