@@ -151,14 +151,16 @@ def _plain(
 
 def _careful(sphere: Sphere, rays: Rays) -> tuple[PerRay, PerRay]:
     """Both crossings in pairs of floats; nan where a ray misses, or leaves the sphere behind."""
-    m, d = two_sum(rays.origin, -column(sphere.centre)), exact(rays.direction)
-    squared_radius = sphere.squared_radius
-    c = pair_sum(pair_dot(m, m), negative(squared_radius))[0]
+    m, squared_radius = two_sum(rays.origin, -column(sphere.centre)), sphere.squared_radius
     enter, leave = np.full((2, len(rays)), np.nan)
-    # A ray that starts outside and goes outwards is done: this is every shadow ray of the sphere's own.
-    ahead = np.flatnonzero((c < 0) | ~(dot(m[0], rays.direction) > 1e-9 * np.abs(m[0]).max(axis=0, initial=0)))
+    # A ray that starts outside and goes outwards is done; whether it does start outside, pairs tell if need be.
+    outwards = dot(m[0], rays.direction) > 1e-9 * np.abs(m[0]).max(axis=0, initial=0)
+    ahead = np.flatnonzero(~(outwards & _surely_outside(sphere, m[0])))
     m = (m[0].take(ahead, axis=1), m[1].take(ahead, axis=1))
-    d, c = exact(rays.direction.take(ahead, axis=1)), c[ahead]
+    c = pair_sum(pair_dot(m, m), negative(squared_radius))[0]
+    open_ = np.flatnonzero((c < 0) | ~outwards[ahead])
+    ahead, c, m = ahead[open_], c[open_], (m[0].take(open_, axis=1), m[1].take(open_, axis=1))
+    d = exact(rays.direction.take(ahead, axis=1))
     a, b = pair_dot(d, d), pair_dot(m, d)[0]
     root = np.sqrt(_discriminant(sphere, m, d, pair_product(a, squared_radius)))
 
@@ -168,6 +170,16 @@ def _careful(sphere: Sphere, rays: Rays) -> tuple[PerRay, PerRay]:
     smaller = np.where(q == 0, 0.0, c / np.where(q == 0, 1.0, q))
     enter[ahead], leave[ahead] = np.minimum(larger, smaller), np.maximum(larger, smaller)
     return enter, leave
+
+
+def _surely_outside(sphere: Sphere, m: Float[np.ndarray, "3 ray"]) -> Bool[np.ndarray, " ray"]:
+    """Whether a point at m from the centre, m rounded, is outside whatever the rounding did.
+
+    With u = 2⁻⁵³: rounding m changes |m|² by 2u|m|² and a little, the plain product by 3u|m|², r² by ur², and their
+    difference by no more than u(|m|² + r²): in all less than 8u(|m|² + r²), itself rounded.
+    """
+    square, squared_radius = dot(m, m), float(sphere.radius) ** 2
+    return square - squared_radius > 16 * ROUNDING * (square + squared_radius)
 
 
 def _discriminant(sphere: Sphere, m: Pair, d: Pair, reach: Pair) -> PerRay:

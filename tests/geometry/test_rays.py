@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from geometry.both import intersect, nearest, occluded
-from geometry.oracles import directions, inner, rational, rays
+from geometry.oracles import across, directions, inner, rational, rays
 from geometry.shapes import gallery, icosphere, random_mesh
 
 from symrt import fast
@@ -25,7 +25,7 @@ from symrt.geometry import (
     translate,
 )
 from symrt.geometry.meeting import leaving_of
-from symrt.geometry.rays import Hits
+from symrt.geometry.rays import Hits, side_of
 
 DRAWS = [(40, 50), pytest.param((1000, 1000), marks=pytest.mark.exhaustive)]
 
@@ -147,6 +147,18 @@ def test_numpy_is_not_asked_about_shapes_that_all_rays_leave(monkeypatch):
     with fast.use(False):
         assert not meeting.occluded([floor], up, np.full(5, np.inf)).any()
     assert asked == []
+
+
+@pytest.mark.parametrize("count", [2_000, pytest.param(200_000, marks=pytest.mark.exhaustive)])
+def test_the_side_that_a_direction_goes_to_is_that_of_exact_arithmetic(count):
+    generator = np.random.default_rng(10)
+    normal = directions(generator, count)
+    towards = across(generator, normal) + generator.choice([-1, 0, 1], count) * 10 ** generator.uniform(-18, -13, count)
+    towards = towards / np.sqrt((towards * towards).sum(axis=0))
+    sides = side_of(normal, towards)
+    for k in range(count):
+        true = inner(rational(normal[:, k]), rational(towards[:, k]))
+        assert sides[k] == (true > 0) - (true < 0)
 
 
 def test_a_ray_that_enters_a_sphere_crosses_it():

@@ -6,6 +6,7 @@ from geometry.both import intersect, nearest
 from geometry.oracles import across, digits, directions, inner, minus, rational, rays, sphere_distance, ulps
 
 from symrt.geometry import Sphere, clearance, encloses, surfaces, translate
+from symrt.geometry.sphere import _surely_outside
 
 DRAWS = [2_000, pytest.param(100_000, marks=pytest.mark.exhaustive)]
 RAYS = 50
@@ -82,6 +83,23 @@ def test_rays_that_start_a_hair_from_the_surface(draws):
         return above * directions(generator, RAYS), directions(generator, RAYS)
 
     check(generator, draws, aim)
+
+
+@pytest.mark.parametrize("draws", DRAWS)
+def test_what_plain_arithmetic_calls_outside_is_outside_in_exact_arithmetic(draws):
+    generator = np.random.default_rng(7)
+    told = 0
+    for _ in range(draws // RAYS):
+        radius = float(10 ** generator.uniform(-30, 30))
+        centre = directions(generator, 1) * radius * 10 ** generator.uniform(-3, 12)
+        above = 1 + generator.choice([-1, 1], RAYS) * 10 ** generator.uniform(-17, -10, RAYS)
+        origin = centre + radius * above * directions(generator, RAYS)
+        sure = _surely_outside(Sphere(tuple(centre[:, 0].tolist()), radius, "a"), origin - centre)
+        for k in np.flatnonzero(sure):
+            m = minus(rational(origin[:, k]), rational(centre))
+            assert inner(m, m) > rational(radius)[0] ** 2
+        told += np.count_nonzero(sure)
+    assert told > draws / 10
 
 
 def test_a_line_that_touches_is_a_hit():
