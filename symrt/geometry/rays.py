@@ -262,8 +262,8 @@ def spawn(
 def side_of(normal: Vectors, direction: Vectors) -> PerRay:
     """The sign of the cosine between two unit vectors, as in exact arithmetic: the side that a direction goes to.
 
-    The plain product of two vectors of length 1, to 1e-12, is off by no more than 3u Σ|nᵢdᵢ| < 4u, u = 2⁻⁵³: each of its
-    terms is rounded three times at most, and Σ|nᵢdᵢ| ≤ |n||d|.  Beyond twice that its sign is the true one; within,
+    The plain product of two vectors of length 1, to 1e-12, is off by no more than 3u Σ|nᵢdᵢ| < 4u, u = 2⁻⁵³: each of
+    its terms is rounded three times at most, and Σ|nᵢdᵢ| ≤ |n||d|.  Beyond twice that its sign is the true one; within,
     pairs decide, the same that a shape's own intersection uses.
 
     Examples
