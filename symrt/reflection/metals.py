@@ -49,7 +49,9 @@ def schlick(f0: Reflectance | sympy.Expr, cosine: sympy.Expr) -> sympy.Expr:
 def f82(at_normal: Reflectance | sympy.Expr, at_82: Reflectance | sympy.Expr, cosine: sympy.Expr) -> sympy.Expr:
     """Schlick's approximation, bent by ``w = x (1 − x)^6 / max`` to be `at_82` where x is 1/7; w is 0 at 0° and 90°.
 
-    It is affine in both reflectances, but both weights below 1 and the constant fall to −0.13 at some angles.
+    It is affine in both reflectances, but the constant and the weight of `at_normal` fall to −0.13 at some angles.  So
+    the curve dips below 0 where both are nearly black, below 0.11, and passes 1 where `at_82` is far above what
+    `schlick` has there: both are a metal's, and belong together.
 
     Examples
     --------

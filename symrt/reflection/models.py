@@ -10,6 +10,8 @@ References
 .. [2] J. F. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977.
 .. [3] E. P. Lafortune and Y. D. Willems, "Using the Modified Phong Reflectance Model for Physically Based Rendering",
    KU Leuven CW 197, 1994: the factor (s + 2)/2π.
+
+The metals' formulas, with their references and errors, are those of `symrt.reflection.metals`.
 """
 
 from collections.abc import Iterable

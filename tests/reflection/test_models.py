@@ -213,6 +213,14 @@ def test_the_82_degree_terms_weights_are_those_that_make_a_picture_signed():
     assert weights[()].min() == pytest.approx(-0.1268, abs=1e-4)
 
 
+def test_a_bent_curve_of_equal_reflectances_is_never_below_0_from_0_12_on():
+    x = np.linspace(0, 1, 2001)
+    for both, dips in ((0.10, True), (0.12, False), (1.0, False)):
+        curve = MODELS["metal_f82"].reflected.xreplace({reflectance(name): sympy.Float(both) for name in ("f0", "f82")})
+        least = sympy.lambdify([n_dot_v, AWAY], curve)(x, 1 - x).min()
+        assert (least < 0) == dips, both
+
+
 def test_a_rough_metals_highlight_is_blinns_lobe_with_schlicks_edge():
     direct, s = MODELS["rough_metal"].direct, parameter("exponent")
     glossy = MODELS["blinn_phong"].direct.subs({diffuse: 0})
