@@ -217,7 +217,7 @@ def test_a_bent_curve_of_equal_reflectances_is_never_below_0_from_0_12_on():
     x = np.linspace(0, 1, 2001)
     for both, dips in ((0.10, True), (0.12, False), (1.0, False)):
         curve = MODELS["metal_f82"].reflected.xreplace({reflectance(name): sympy.Float(both) for name in ("f0", "f82")})
-        least = sympy.lambdify([n_dot_v, AWAY], curve)(x, 1 - x).min()
+        least = np.min(sympy.lambdify([n_dot_v, AWAY], curve)(x, 1 - x))
         assert (least < 0) == dips, both
 
 
