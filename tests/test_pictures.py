@@ -20,6 +20,7 @@ COMPONENTS = {
     "phong_plain": ["diffuse", "specular"],
     "blinn_phong": ["diffuse", "specular"],
     "mirror": ["mirror"],
+    "glass": [],
     "metal": ["f0"],
     "metal_f82": ["f0", "f82"],
     "rough_metal": ["f0"],

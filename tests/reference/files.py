@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from reference.glass import glass_rays
 from reference.lights import directional_light, point_light
 from reference.meshes import mesh
-from reference.records import Scene, Spectrum
+from reference.records import Hit, Ray, Scene, Spectrum
 from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
 from reference.textures import banded_relief, checker, label_image, weight_image
 from reference.tracer import mirror_ray
+from reference.vectors import Vector
 
 METALS = Path(__file__).parents[2] / "symrt" / "data" / "metals.json"
 
@@ -28,6 +30,11 @@ def load(path: str | Path) -> Scene:
     from_file = {"label_image": label_image, "weight_image": weight_image}
     computed = {"checker": checker, "banded_relief": banded_relief}
     textures = file.get("textures", {})
+
+    def onwards(hit: Hit, to_eye: Vector) -> list[Ray]:
+        of = file["materials"].get(hit.material, {})
+        return glass_rays(hit, to_eye, of["index"]) if of.get("model") == "glass" else mirror_ray(hit, to_eye)
+
     return Scene(
         camera=file["camera"],
         shapes=[mesh(t, folder) if t["type"] == "mesh" else kinds[t["type"]](t) for t in file["shapes"]],
@@ -40,7 +47,8 @@ def load(path: str | Path) -> Scene:
             for name, t in textures.items()
         },
         depth=file.get("depth", 4),
-        sending=(mirror_ray,),
+        sending=(onwards,),
+        least=1e-3 if any(of.get("model") == "glass" for of in file["materials"].values()) else 0.0,
     )
 
 

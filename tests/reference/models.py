@@ -90,6 +90,11 @@ def rough_metal(at: Seen, material: Table) -> Shares:
     return [("f0", lobe * (1 - edge)), ("", lobe * edge)]
 
 
+def all_of_it(_: Seen, __: Table) -> Shares:
+    """What a ray of glass brings: the ray itself has Fresnel's share."""
+    return [("", 1.0)]
+
+
 MODELS: dict[str, Model] = {
     "lambert": {"direct": lambert, "ambient": from_everywhere},
     "phong": {"direct": phong, "ambient": from_everywhere},
@@ -98,6 +103,7 @@ MODELS: dict[str, Model] = {
     "mirror": {"reflected": mirror},
     "metal": {"reflected": metal},
     "metal_f82": {"reflected": metal_f82},
+    "glass": {"reflected": all_of_it, "transmitted": all_of_it},
     "rough_metal": {"direct": rough_metal},
 }
 

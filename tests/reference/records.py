@@ -10,7 +10,10 @@ Table = Mapping[str, Any]
 
 
 class Hit(NamedTuple):
-    """A point where a ray meets a shape; `normal` is the surface's own, `shading` that of what it stands for."""
+    """A point where a ray meets a shape; `normal` is the surface's own, `shading` that of what it stands for.
+
+    `from_inside` is true where the ray comes from the side that the surface's own normal points away from.
+    """
 
     distance: float
     point: Vector
@@ -19,6 +22,7 @@ class Hit(NamedTuple):
     uv: tuple[float, float]
     extent: tuple[float, float]
     material: str
+    from_inside: bool = False
 
 
 class Illumination(NamedTuple):
@@ -64,7 +68,7 @@ class Scene(NamedTuple):
 
     `sending` are the rules by which hits send rays on, `emitting` those by which they shine; `film` takes the place of
     the camera's regular samples.  `beyond` names a spectrum: the radiance that each ray brings which the depth cuts
-    off; black if it is None.
+    off; black if it is None.  Rays that carry less than `least` of what their sample of the film sees are not followed.
     """
 
     camera: Table
@@ -79,3 +83,4 @@ class Scene(NamedTuple):
     emitting: tuple[Emitting, ...] = ()
     film: Film | None = None
     beyond: str | None = None
+    least: float = 0.0

@@ -13,9 +13,12 @@ from reference.vectors import Vector, dot, mirrored, scale
 
 
 def radiance(
-    scene: Scene, spectra: Mapping[str, Spectrum], origin: Vector, direction: Vector, bounces: int
+    scene: Scene, spectra: Mapping[str, Spectrum], origin: Vector, direction: Vector, bounces: int, carried: float = 1.0
 ) -> Spectrum:
-    """Radiance against `direction`, in every band; rays are followed for so many more bounces."""
+    """Radiance against `direction`, in every band; rays are followed for so many more bounces.
+
+    The ray carries a share of what its sample of the film sees.
+    """
     black = [0.0] * len(next(iter(spectra.values())))
     hit = nearest(scene, origin, direction)
     if hit is None:
@@ -24,7 +27,8 @@ def radiance(
     # Both normals turn to the eye, and the materials there share the point.
     to_eye = scale(-1, direction)
     normal = turned(hit.normal, to_eye)
-    hit = hit._replace(normal=normal, shading=turned(hit.shading, normal))
+    inside = dot(hit.normal, to_eye) < 0
+    hit = hit._replace(normal=normal, shading=turned(hit.shading, normal), from_inside=inside)
     weights = scene.textures[hit.material](hit) if hit.material in scene.textures else {hit.material: 1.0}
 
     # The light that the hit sends by itself, and of that of the lamps what its materials send on.
@@ -38,10 +42,10 @@ def radiance(
     # What further rays bring; beyond the depth they are cut off.
     for ray in (ray for rule in scene.sending for ray in rule(hit, to_eye)):
         meeting = {name: weight for name, weight in weights.items() if formulas(scene.materials[name], ray.via)}
-        if not meeting:
+        if not meeting or carried * ray.weight < scene.least:
             continue
         if bounces > 0:
-            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1)
+            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1, carried * ray.weight)
         else:
             arriving = black if scene.beyond is None else spectra[scene.beyond]
         for name, weight in meeting.items():
