@@ -34,7 +34,7 @@ _ASKED: Counter[str] = Counter()
 
 @contextmanager
 def use(kernels: bool | None) -> Iterator[None]:
-    """Within a block, in this thread and those that `render` starts, use compiled kernels or do not.
+    """Within a block, in this thread and in the workers of its renders, use compiled kernels or do not.
 
     Parameters
     ----------
