@@ -20,8 +20,11 @@ _NAMES = {
         "shipped_scene",
         "AmbientLight",
         "DirectionalLight",
+        "DiskLight",
         "Illumination",
         "PointLight",
+        "RectangleLight",
+        "SphereLight",
     ],
     "symrt.geometry": [
         "Box",
@@ -55,6 +58,7 @@ _NAMES = {
     "symrt.saving": ["load_system", "save_system"],
     "symrt.interactions": ["Interaction"],
     "symrt.system": ["LinearSystem"],
+    "symrt.estimates": ["Estimate"],
     # 3: shade
     "symrt.spectra": [
         "RGB",

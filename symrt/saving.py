@@ -13,6 +13,7 @@ from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
 from symrt.errors import plain, shown
+from symrt.estimates import Estimate
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
@@ -77,6 +78,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
     if system.subtracting:
         header["subtracting"] = list(system.subtracting)
+    if system.errors:
+        header["errors"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.errors.items()}
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -130,6 +133,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         seconds={name: _number(v) for name, v in _table(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
         subtracting=tuple(map(_text, _list(header.get("subtracting", [])))),
+        errors={name: _estimate(*_list(row)) for name, row in _table(header.get("errors", {}))},
     )
 
     # Parts that fit each other.
@@ -170,6 +174,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     # Lights and materials that are there, each with a name of its own, and formulas of one line.
     yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
     yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
+    yield from (f"no light is called {shown(name)}" for name in system.errors if name not in system.white)
     yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
     for name, text in system.models.items():
         if plain(text) != text or len(text) > LONGEST:
@@ -205,6 +210,9 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Numbers that are not finite, or below 0 where light is counted."""
     for what, numbers in (("white", system.white), ("seconds", system.seconds)):
         yield from (f"the {what} of {n} is {v}: not a number from 0" for n, v in numbers.items() if not 0 <= v < np.inf)
+    for name, error in system.errors.items():
+        if error.count < 0 or not 0 <= error.rms <= error.largest < np.inf:
+            yield f"the error of {name} is {error}: not numbers from 0, the largest last"
     if not np.all(np.isfinite(system.G.data)):
         yield "the coefficients of G are not finite float64 numbers"
     # A bound on what was cut off may be infinite: nothing is known then.
@@ -215,9 +223,8 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    if unknown := (set(header) - {"format", "version", "digest", "interpolated", "subtracting", *KEYS}) | (
-        set(arrays) - ARRAYS
-    ):
+    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", *KEYS}
+    if unknown := (set(header) - known) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 
 
@@ -239,6 +246,10 @@ def _interpolated(rows: list[Any], interactions: tuple[Interaction, ...]) -> dic
             raise ValueError(f"column {place} was interpolated, and is not there, or is named twice")
         found[interactions[place]] = tuple(map(_text, _list(names)))
     return found
+
+
+def _estimate(count: Any, rms: Any, largest: Any) -> Estimate:
+    return Estimate(_count(count), float.fromhex(_text(rms)), float.fromhex(_text(largest)))
 
 
 def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:

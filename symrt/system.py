@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
+from symrt.estimates import Estimate
 from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
 from symrt.symbols import Symbol
@@ -77,6 +78,8 @@ class LinearSystem:
         had negative coefficients before.
     subtracting
         Materials whose models may subtract, as one with an F82 does.
+    errors
+        For each light whose share that is seen was estimated, the error of that share over all lit points.
     """
 
     G: sparse.csr_array
@@ -90,6 +93,7 @@ class LinearSystem:
     seconds: Mapping[str, float] = field(default_factory=dict)
     interpolated: Mapping[Interaction, tuple[str, ...]] = field(default_factory=dict)
     subtracting: tuple[str, ...] = ()
+    errors: Mapping[str, Estimate] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -324,10 +328,14 @@ class LinearSystem:
 
     def __repr__(self) -> str:
         kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"
-        return f"LinearSystem({self.width} × {self.height} pixels, {len(self.interactions)} interactions, {kept})"
+        interactions = f"{len(self.interactions)} interactions"
+        return f"LinearSystem({self.width} × {self.height} pixels, {interactions}, {kept}{self._erring()})"
+
+    def _erring(self) -> str:
+        return "".join(f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
 
     def _repr_html_(self) -> str:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))
         rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
         table = html_table(("interaction", "degree", "pixels"), rows)
-        return f"<p>{self.width} × {self.height} pixels</p>{table}"
+        return f"<p>{self.width} × {self.height} pixels{self._erring()}</p>{table}"

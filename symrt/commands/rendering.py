@@ -91,6 +91,7 @@ def _save(out: Path, system: "LinearSystem", as_json: bool) -> None:
     rt.save_system(out, system)
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
+    record |= {"errors": {light: asdict(error) for light, error in system.errors.items()}}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
     say(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
 

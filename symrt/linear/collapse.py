@@ -118,6 +118,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         parameters=program.nodes,
         subtracting=program.subtracting,
         tail=Tail(*assemble(found.tail, tree.width * tree.height), reflected, passed),
+        errors=tree.errors,
     )
 
 

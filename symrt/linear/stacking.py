@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
+from symrt.estimates import Estimate
 from symrt.interactions import Interaction
 from symrt.system import LinearSystem, Tail
 
@@ -23,6 +24,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
     first = None
     cut = Tail(sparse.csr_array((0, 0)))
     spent: dict[str, float] = {}
+    errors: dict[str, Estimate] = {}
     for system in systems:
         if first is None:
             # What all have in common; of the first one's matrices nothing is kept.
@@ -34,6 +36,8 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         bound.add(tail.bound, tail.interactions)
         for step, seconds in system.seconds.items():
             spent[step] = spent.get(step, 0.0) + seconds
+        for light, error in system.errors.items():
+            errors[light] = errors[light].joined(error) if light in errors else error
     if first is None:
         raise ValueError("no system was given: give those of all the picture's rows")
     G, interactions = matrix.matrix()  # noqa: N806 -- the equation's own name
@@ -46,6 +50,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         height=height,
         tail=replace(cut, bound=unseen, interactions=missing),
         seconds=spent,
+        errors=dict(sorted(errors.items())),
     )
 
 

@@ -186,7 +186,7 @@ def _arriving(
     arriving = sympy.Integer(1)
     if lit.irradiance[k] != 1:
         arriving *= letters.letter("irradiance", lit.irradiance[k], *where)
-    if "shadows" in tree.plan:
+    if "shadows" in tree.plan or lit.error is not None:
         arriving *= letters.letter("visible", lit.visible[k], *where)
     cosines = {Factor(name): letters.letter(name, values[k], *where) for name, values in lit.factors.items()}
     return [(Light(lit.light), arriving, cosines)]

@@ -141,6 +141,16 @@ class Model:
         total = sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
         return total.xreplace({transmission: 1 - fresnel})
 
+    @cached_property
+    def diffusing(self) -> bool:
+        """True if `direct` is n_dot_l times what is the same for all directions to the light.
+
+        Light from several directions then adds up to light from one, that of its vector irradiance.
+        """
+        slope = sympy.diff(self.direct, n_dot_l)
+        lights = {factor for factor in slope.atoms(Factor) if factor.name not in VIEW}
+        return not lights and sympy.expand(self.direct - slope * n_dot_l) == 0
+
     def _names(self, kind: type[sympy.Symbol]) -> frozenset[str]:
         return frozenset(symbol.name for formula in self.formulas.values() for symbol in formula.atoms(kind))
 

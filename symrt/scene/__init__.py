@@ -1,6 +1,7 @@
 """The parts of a scene: shapes, materials, lights and a camera, from Python or from a file (before step 1)."""
 
 from symrt.reading import shipped_scene
+from symrt.scene.area_lights import DiskLight, RectangleLight, SphereLight
 from symrt.scene.cameras import Camera, Window, camera_rays
 from symrt.scene.files import load_scene
 from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
@@ -10,11 +11,14 @@ __all__ = [
     "AmbientLight",
     "Camera",
     "DirectionalLight",
+    "DiskLight",
     "Illumination",
     "Light",
     "Material",
     "PointLight",
+    "RectangleLight",
     "Scene",
+    "SphereLight",
     "Window",
     "camera_rays",
     "load_scene",

@@ -29,6 +29,7 @@ from symrt.geometry import (
     WeightImage,
 )
 from symrt.reading import number_faults, read_toml, scene_path
+from symrt.scene.area_lights import DiskLight, RectangleLight, SphereLight
 from symrt.scene.cameras import Camera
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
@@ -36,7 +37,9 @@ from symrt.scene.records import Material, Scene
 
 KINDS: dict[str, dict[str, type]] = {
     "shapes": {kind.type: kind for kind in (Sphere, Plane, Disk, Rectangle, Cylinder, Box, Mesh)},
-    "lights": {kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight)},
+    "lights": {
+        kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight, RectangleLight, DiskLight, SphereLight)
+    },
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
 }
 """The record of each `type` that a shape, a light and a texture may have."""
@@ -115,9 +118,13 @@ class Document:
         Annotated[Sphere | Plane | Disk | Rectangle | Cylinder | Box | Mesh, Field(discriminator="type")], ...
     ]
     materials: dict[str, Annotated[Any, PlainValidator(_material)]]
-    lights: dict[str, Annotated[PointLight | DirectionalLight | AmbientLight, Field(discriminator="type")]] = field(
-        default_factory=dict
-    )
+    lights: dict[
+        str,
+        Annotated[
+            PointLight | DirectionalLight | AmbientLight | RectangleLight | DiskLight | SphereLight,
+            Field(discriminator="type"),
+        ],
+    ] = field(default_factory=dict)
     textures: dict[str, Annotated[Checker | LabelImage | WeightImage | BandedRelief, Field(discriminator="type")]] = (
         field(default_factory=dict)
     )

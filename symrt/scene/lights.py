@@ -10,12 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from symrt.arrays import length, normalise
 from symrt.errors import hinting, refuse
 from symrt.geometry import Triple
 from symrt.scene.checks import check_name, check_triple, floats, settle
+from symrt.scene.outlines import Outline
 
 Points = Float[np.ndarray, "3 n"]
 Nearest = Callable[[np.ndarray], float]
@@ -37,11 +38,27 @@ class Illumination:
         Distance to the light in scene units; infinite for a light infinitely far away.
     falloff
         Irradiance on a surface that faces the light, per unit of the light's symbol.
+    figure
+        The figure that the light looks like, where the sample stands for all of it; None where it stands for a place.
     """
 
     direction: Points | None
     distance: Float[np.ndarray, " n"]
     falloff: Float[np.ndarray, " n"]
+    figure: Outline | None = None
+
+    @property
+    def towards(self) -> Points:
+        """The directions, of a sample that has some."""
+        if self.direction is None:
+            raise TypeError("light from everywhere has no direction")
+        return self.direction
+
+    def of(self, chosen: Int[np.ndarray, " chosen"]) -> "Illumination":
+        """The sample as seen from some of the points."""
+        direction = None if self.direction is None else self.direction[:, chosen]
+        figure = None if self.figure is None else self.figure.of(chosen)
+        return Illumination(direction, self.distance[chosen], self.falloff[chosen], figure)
 
 
 @runtime_checkable

@@ -40,6 +40,7 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     >>> print(plan(load_scene(shipped_scene("first"))))
     effect                         called for by                    rays at most
     shadows        simulated       sun                              1 a hit
+    penumbrae      not called for  no light has an area             none
     mirrors        not called for  no material mirrors              none
     refraction     not called for  no material is of glass          none
     caustics       not called for  no material is of glass          none
@@ -72,7 +73,7 @@ def _remarks(scene: Scene) -> Iterator[str]:
 
         # Walls let nothing through: a light and the camera on two sides of one see nothing of each other.
         for light in scene.lights:
-            place = getattr(light, "position", None)
+            place = getattr(light, "position", getattr(light, "centre", None))
             lamp = place is not None and _inside(shape, place)
             known = place is not None or hasattr(light, "direction")
             if light.shadows and known and lamp != eye:

@@ -1,14 +1,15 @@
 """The points of a level: each hit's materials, and the geometric factors that their formulas name (step 1)."""
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from symrt.arrays import dot
 from symrt.reflection.symbols import FRESNEL, VIEW
+from symrt.scene.area_lights import AreaLight
 from symrt.scene.lights import Answering, Illumination
 from symrt.symbols import Surface
 from symrt.tracing.factors import factors
@@ -16,6 +17,9 @@ from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
 from symrt.tracing.stage import Stage
 from symrt.tracing.view import View
+
+Shares = Sequence[tuple[str, tuple[np.ndarray, np.ndarray]]]
+"""Each material with its hits and weights."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,10 @@ class Reached:
         Unit vectors to the light; None for light from everywhere.
     bounded
         True if an effect was left out that would change this, so that it counts in the tail.
+    error
+        The estimated error of `visible`, where it is not exact.
+    diffusing
+        Of a light with an area: True if the sample is for diffusers, False if it is for materials with highlights.
     """
 
     light: Answering
@@ -38,20 +46,25 @@ class Reached:
     irradiance: Float[np.ndarray, " reached"]
     visible: Float[np.ndarray, " reached"]
     bounded: bool
+    error: Float[np.ndarray, " reached"] | None = None
+    diffusing: bool | None = None
 
 
 def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
     # The hits that each sample of each light reaches.
-    reached = [
-        _reached(stage, effects, light, sample, view, count)
-        for light in stage.lights
-        for sample in light.samples(view.surface.point)
-    ]
+    shares = sorted(_shares(stage, effects, view).items())
+    reached = []
+    for light in stage.lights:
+        if isinstance(light, AreaLight):
+            reached += _reached_from(stage, effects, light, view, shares, count)
+        else:
+            samples = light.samples(view.surface.point)
+            reached += [_reached(stage, effects, light, sample, view, count) for sample in samples]
 
     # The points of each material, and again for each of its alternatives.
     found = []
-    for material, (hit, weight) in sorted(_shares(stage, effects, view).items()):
+    for material, (hit, weight) in shares:
         others = [Surface(other, instead_of=material) for other in stage.alternatives.get(material, ())]
         for name in (material, *map(str, others)):
             model = stage.materials[name].model
@@ -61,6 +74,8 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
             lit, cut = [], []
             for one in reached:
                 if model.formulas[one.light.via] == 0:
+                    continue
+                if one.diffusing is not None and one.diffusing != model.diffusing:
                     continue
                 arriving = _lit(view, one, hit, model.factors - FRESNEL)
                 # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
@@ -89,15 +104,41 @@ def _reached(
     position[hit] = np.arange(hit.size)
 
     # The share of it that is not hidden on the way.
-    direction, visible = at.direction[:, hit], np.ones(hit.size)
+    at, visible, error = at.of(hit), np.ones(hit.size), None
+    figures = at.figure is not None
     if light.shadows:
         for effect in effects.simulated:
-            if effect.arriving is not None:
-                visible = visible * effect.arriving(stage, view, hit, direction, at.distance[hit], count)
+            if effect.arriving is not None and effect.figures == figures:
+                passed = effect.arriving(stage, view, light, hit, at, count)
+                visible, error = visible * passed.share, passed.error
     bounded = light.calls_for in effects.left_out or (
-        light.shadows and any(effect.arriving is not None for effect in effects.bounded)
+        light.shadows and any(effect.arriving is not None and effect.figures == figures for effect in effects.bounded)
     )
-    return Reached(light, position, direction, at.falloff[hit], visible, bounded)
+    return Reached(light, position, at.direction, at.falloff, visible, bounded, error)
+
+
+def _reached_from(
+    stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares, count: Counter[str]
+) -> list[Reached]:
+    """The hits that a light with an area reaches: diffusers as a whole, materials with highlights by its places."""
+    # The hits of both kinds of material; a texture may blend them.
+    needed = {True: np.zeros(view.slot.size, dtype=bool), False: np.zeros(view.slot.size, dtype=bool)}
+    for material, (hit, _) in shares:
+        others = (str(Surface(other, instead_of=material)) for other in stage.alternatives.get(material, ()))
+        for model in (stage.materials[name].model for name in (material, *others)):
+            if model.direct != 0:
+                needed[model.diffusing][hit] = True
+
+    # The light is dark for the hits that do not need it.
+    found = []
+    for diffusing, hits in needed.items():
+        if hits.any():
+            point = view.surface.point
+            samples = (light.facing(point, view.shading_normal),) if diffusing else light.samples(point)
+            for sample in samples:
+                asked = replace(sample, falloff=np.where(hits, sample.falloff, 0.0))
+                found.append(replace(_reached(stage, effects, light, asked, view, count), diffusing=diffusing))
+    return found
 
 
 def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:
@@ -109,8 +150,8 @@ def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit
     if reached.direction is not None:
         direction = reached.direction[:, position]
         found = factors(names - VIEW, view.shading_normal[:, hit], view.viewer[:, hit], direction)
-    light = reached.light
-    return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found)
+    light, error = reached.light, None if reached.error is None else reached.error[position]
+    return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found, error)
 
 
 def _shares(stage: Stage, effects: AtWork, view: View) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:

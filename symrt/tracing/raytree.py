@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from symrt.estimates import Estimate
 from symrt.reflection.models import Model
 from symrt.tracing.plan import Plan
 
@@ -40,6 +41,8 @@ class Lit:
         The share that nothing hides: 1 in the light, 0 in a shadow.
     factors
         The cosines that the formula names.
+    error
+        The estimated error of `visible`, where it is not exact: see `Estimate`.
     """
 
     light: str
@@ -48,6 +51,7 @@ class Lit:
     irradiance: Float[np.ndarray, " point"]
     visible: Float[np.ndarray, " point"]
     factors: Factors
+    error: Float[np.ndarray, " point"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +249,17 @@ class RayTree:
         """For each light, the coefficient of a perfect diffuser at the camera's target that faces it."""
         return {name: light.white for name, light in self.lights.items()}
 
+    @property
+    def errors(self) -> dict[str, Estimate]:
+        """For each light whose share that is seen was estimated, the error of that share over all lit points."""
+        lit = [lit for level in self.levels for points in level.points for lit in points.lit if lit.error is not None]
+        return {
+            name: Estimate.of(np.concatenate([one.error for one in lit if one.light == name and one.error is not None]))
+            for name in sorted({one.light for one in lit})
+        }
+
     def __repr__(self) -> str:
         hits = " + ".join(str(level.size) for level in self.levels)
         rays = ", ".join(f"{count} {name}" for name, count in self.rays.items())
-        return f"RayTree({self.width} × {self.height} pixels, {hits} hits; rays: {rays})"
+        errors = "".join(f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
+        return f"RayTree({self.width} × {self.height} pixels, {hits} hits; rays: {rays}{errors})"

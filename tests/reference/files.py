@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from reference.glass import glass_rays
+from reference.lamps import rectangle_lamp
 from reference.lights import directional_light, point_light
 from reference.meshes import mesh
 from reference.records import Hit, Ray, Scene, Spectrum
@@ -38,7 +39,7 @@ def load(path: str | Path) -> Scene:
     return Scene(
         camera=file["camera"],
         shapes=[mesh(t, folder) if t["type"] == "mesh" else kinds[t["type"]](t) for t in file["shapes"]],
-        lights={name: lights[t["type"]](t) for name, t in file["lights"].items() if t["type"] != "ambient"},
+        lights={name: lights[t["type"]](t) for name, t in file["lights"].items() if t["type"] in lights},
         ambient=[name for name, t in file["lights"].items() if t["type"] == "ambient"],
         unshadowed={name for name, t in file["lights"].items() if not t.get("shadows", True)},
         materials=file["materials"],
@@ -48,6 +49,7 @@ def load(path: str | Path) -> Scene:
         },
         depth=file.get("depth", 4),
         sending=(onwards,),
+        lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"},
         least=1e-3 if any(of.get("model") == "glass" for of in file["materials"].values()) else 0.0,
     )
 

@@ -53,6 +53,8 @@ Shape = Callable[[Vector, Vector, float], Hit | None]
 """The nearest hit of a ray, given by origin and direction, beyond a distance."""
 Light = Callable[[Vector], list[Illumination]]
 """All the ways on which a light reaches a point."""
+Lamp = Callable[[Hit, Callable[[Vector, float], bool]], list[Illumination]]
+"""The ways on which a lamp with an area reaches a hit, told whether nothing stands in a direction before a distance."""
 Texture = Callable[[Hit], dict[str, float]]
 """The weights of materials at a hit."""
 Sending = Callable[[Hit, Vector], list[Ray]]
@@ -81,6 +83,7 @@ class Scene(NamedTuple):
     depth: int
     sending: tuple[Sending, ...]
     emitting: tuple[Emitting, ...] = ()
+    lamps: Mapping[str, Lamp] = {}
     film: Film | None = None
     beyond: str | None = None
     least: float = 0.0

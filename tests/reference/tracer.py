@@ -5,6 +5,7 @@ all the rays that the scene's rules send on from it, each by one formula of the 
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 from reference.models import Seen, formulas, shares
 from reference.records import Hit, Illumination, Ray, Scene, Spectrum
@@ -71,6 +72,11 @@ def from_lights(
                 for component, share in shares(material, "direct", Seen(hit.shading, to_eye, way.direction)):
                     part = weight * way.irradiance * share
                     gather(total, part, spectra[light], reflectance(spectra, name, component))
+    for light, lamp in scene.lamps.items():
+        for way in lamp(hit, partial(free, scene, light, hit)):
+            for component, share in shares(material, "direct", Seen(hit.shading, to_eye, way.direction)):
+                part = weight * way.irradiance * share
+                gather(total, part, spectra[light], reflectance(spectra, name, component))
     for light in scene.ambient:
         for component, share in shares(material, "ambient", Seen(hit.shading, to_eye)):
             gather(total, weight * share, spectra[light], reflectance(spectra, name, component))
@@ -80,8 +86,13 @@ def reaches(scene: Scene, light: str, way: Illumination, hit: Hit) -> bool:
     """True unless a light is behind the surface, or hidden by another."""
     if dot(way.direction, hit.normal) <= 0 or dot(way.direction, hit.shading) <= 0:
         return False
-    blocker = None if light in scene.unshadowed else nearest(scene, hit.point, way.direction)
-    return blocker is None or blocker.distance >= way.distance
+    return free(scene, light, hit, way.direction, way.distance)
+
+
+def free(scene: Scene, light: str, hit: Hit, direction: Vector, distance: float) -> bool:
+    """True unless something stands before a distance, or the light shines through all."""
+    blocker = None if light in scene.unshadowed else nearest(scene, hit.point, direction)
+    return blocker is None or blocker.distance >= distance
 
 
 def nearest(scene: Scene, origin: Vector, direction: Vector) -> Hit | None:

@@ -153,7 +153,7 @@ WRONG = {
     ),
     "a type that is missing": (
         GOOD.replace('type = "directional"', ""),
-        ["lights.sun.type: missing; there are 'point', 'directional', 'ambient'"],
+        ["lights.sun.type: missing; there are 'point', 'directional', 'ambient', 'rectangle', 'disk', 'sphere'"],
     ),
     "an unknown model": (
         GOOD.replace(RED, RED + "model = 'fong'\n"),

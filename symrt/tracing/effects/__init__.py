@@ -6,13 +6,14 @@ A scene pays only for the effects that something in it calls for.  To add one, w
 
 from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.caustics import CAUSTICS
-from symrt.tracing.effects.effect import Call, Effect, Sent
+from symrt.tracing.effects.effect import Call, Effect, Passed, Sent
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.mirrors import MIRRORS
+from symrt.tracing.effects.penumbrae import PENUMBRAE
 from symrt.tracing.effects.refraction import REFRACTION
 from symrt.tracing.effects.shadows import SHADOWS
 from symrt.tracing.effects.textures import TEXTURES
 
-EFFECTS: tuple[Effect, ...] = (SHADOWS, MIRRORS, REFRACTION, CAUSTICS, AMBIENT, TEXTURES, SUPERSAMPLING)
+EFFECTS: tuple[Effect, ...] = (SHADOWS, PENUMBRAE, MIRRORS, REFRACTION, CAUSTICS, AMBIENT, TEXTURES, SUPERSAMPLING)
 
-__all__ = ["EFFECTS", "Call", "Effect", "Sent"]
+__all__ = ["EFFECTS", "Call", "Effect", "Passed", "Sent"]

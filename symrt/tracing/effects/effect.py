@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float, Int
 
-from symrt.arrays import Vectors
 from symrt.geometry.rays import Rays
 from symrt.scene.cameras import Camera, Window
+from symrt.scene.lights import Illumination, Light
 from symrt.scene.records import Scene
 from symrt.tracing.raytree import Emitted, Film, Points
 from symrt.tracing.stage import Alternatives, Stage
@@ -76,6 +76,14 @@ class Sent:
 
 
 @dataclass(frozen=True, eq=False)
+class Passed:
+    """The share of a light that an effect lets through to some hits, and its estimated error where it is not exact."""
+
+    share: PerHit
+    error: PerHit | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Effect:
     """An effect: a name, the test whether a scene calls for it, and a function at each seam where it acts.
 
@@ -92,7 +100,9 @@ class Effect:
     surface
         The materials that a name stands for at some hits, with their shares; None for a name that is not its own.
     arriving
-        The share of a light, in given directions and at given distances, that reaches the given hits, in [0, 1].
+        The share of a light's sample, as seen from the given hits, that reaches them, in [0, 1].
+    figures
+        True if `arriving` is for samples that stand for a whole figure, else for those that stand for a place.
     emitted
         The light that hits send to the viewer by themselves.
     onwards
@@ -107,7 +117,8 @@ class Effect:
     unbounded: bool = False
     film: Callable[[Camera, Window], tuple[Film, Rays]] | None = None
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
-    arriving: Callable[[Stage, View, Which, Vectors, PerHit, Counter[str]], PerHit] | None = None
+    arriving: Callable[[Stage, View, Light, Which, Illumination, Counter[str]], Passed] | None = None
+    figures: bool = False
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     state: Mapping[str, float | int] = field(default_factory=dict)

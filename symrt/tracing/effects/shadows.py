@@ -1,4 +1,4 @@
-"""Shadows: one ray from each hit to each light that faces it and casts shadows (an effect of step 1).
+"""Shadows: one ray from each hit to each place of a light that faces it and casts shadows (an effect of step 1).
 
 Without them surfaces are too bright by at most the light that reaches them: that is the bound where they are left out.
 """
@@ -7,28 +7,48 @@ from collections import Counter
 
 import numpy as np
 
-from symrt.arrays import Vectors
 from symrt.geometry.meeting import occluded
 from symrt.geometry.rays import spawn
+from symrt.scene.area_lights import AreaLight
+from symrt.scene.lights import Illumination, Light
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Call, Effect, PerHit
+from symrt.tracing.effects.effect import Call, Effect, Passed
 from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import View, Which
 
 
-def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  whatever a shape is made of, it hides
-    casting = tuple(light.name for light in scene.lights if light.shadows)
-    without = "there is no shape" if casting else "no light casts any"
-    return Call(casting if scene.shapes else (), without, rays=f"{len(casting)} a hit", a_hit=len(casting))
+def _call(scene: Scene, alternatives: Alternatives) -> Call:
+    places = {light.name: _places(light, scene, alternatives) for light in scene.lights if light.shadows}
+    casting = tuple(name for name, number in places.items() if number)
+    without = "no light casts any" if not places else "all that cast any have penumbrae"
+    without, count = "there is no shape" if casting else without, sum(places.values())
+    return Call(casting if scene.shapes else (), without, rays=f"{count} a hit", a_hit=count)
 
 
-def _visible(stage: Stage, view: View, hit: Which, direction: Vectors, distance: PerHit, count: Counter[str]) -> PerHit:
-    """1 for each of the given hits that nothing hides from a light in that direction, else 0."""
+def _places(light: Light, scene: Scene, alternatives: Alternatives) -> int:
+    """The places of a light that cast shadows; one with an area has places for materials with highlights only."""
+    if not isinstance(light, AreaLight):
+        return 1
+    used = {*scene.used_materials, *(other for others in alternatives.values() for other in others)}
+    models = (material.reflection for material in scene.materials if material.name in used)
+    glossy = any(model.direct != 0 and not model.diffusing for model in models)
+    return len(light.samples(np.zeros((3, 1)))) if glossy else 0
+
+
+def _visible(
+    stage: Stage,
+    view: View,
+    light: Light,  # noqa: ARG001  all lights are hidden alike
+    hit: Which,
+    at: Illumination,
+    count: Counter[str],
+) -> Passed:
+    """1 for each of the given hits that nothing hides from a place of a light, else 0."""
     surface = view.surface
     place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
-    rays = spawn(*place, direction, view.leaving[:, hit])
+    rays = spawn(*place, at.towards, view.leaving[:, hit])
     count["shadows"] += hit.size
-    return np.where(occluded(stage.shapes, rays, distance), 0.0, 1.0)
+    return Passed(np.where(occluded(stage.shapes, rays, at.distance), 0.0, 1.0))
 
 
 SHADOWS = Effect("shadows", _call, arriving=_visible)
