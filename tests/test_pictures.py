@@ -98,6 +98,13 @@ def lit(**lights):
 
 CHECKER = {"type": "checker", "size": 0.37, "materials": ["red", "blue"]}
 POINT, SUN = BASE["lights"]["lamp"], BASE["lights"]["sun"]
+LAMP = {"type": "rectangle", "centre": [-2.1, 3.3, 2.2], "edge_u": [1.1, 0, 0.4], "edge_v": [-0.2, -0.45, 0.55]}
+
+
+def under_a_lamp(*shapes, **lamp):
+    return scene(*(shape | {"material": "blue"} for shape in shapes)) | {"lights": {"lamp": LAMP | lamp}}
+
+
 SMALL = {
     "a plane": scene(),
     "a sphere": scene(BALL),
@@ -173,6 +180,14 @@ SMALL = {
     "a light that nothing blocks": lit(sun=SUN | {"shadows": False}, lamp=POINT),
     "a light below the floor": lit(lamp={"type": "point", "position": [0, -2, 0]}, sun=SUN),
     "a light inside a sphere": scene(BALL, lights={"lamp": {"type": "point", "position": [0.1, 0.9, 0.2]}}),
+    "a lamp with an area": under_a_lamp(BALL, PIPE | {"base": [1.2, 0, 1.1], "top": [1.3, 1.5, 1.2], "radius": 0.2}),
+    "a lamp of a fine grid": under_a_lamp(CRATE, grid=4, refinement=2),
+    "a lamp of a coarse grid": under_a_lamp(TILE, grid=2, refinement=0),
+    "a lamp that nothing blocks": under_a_lamp(BALL, shadows=False),
+    "a lamp over a smooth mesh": under_a_lamp({"type": "mesh", "file": "egg.obj", "translate": [0.1, 0.9, 0.2]}),
+    "a lamp that the horizon cuts": under_a_lamp(
+        BALL, centre=[-2.1, 0.1, 2.2], edge_v=[0, 1.5, 0], edge_u=[-0.7, 0, -0.8]
+    ),
     "an orthographic camera": scene(BALL)
     | {"camera": {"type": "orthographic", "view_width": 4.3, "position": [1, 2, 6], "target": [0, 0.7, 0]}},
     "a camera on its side": scene(BALL, PIPE, camera={"up": [1, 0.3, 0.2], "field_of_view": 71}),

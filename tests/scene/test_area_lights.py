@@ -292,3 +292,59 @@ def test_a_light_that_has_no_area_says_so(make, line):
     with pytest.raises(ValueError, match=line) as caught:
         make()
     assert "\n" not in str(caught.value)
+
+
+FILE = """
+[camera]
+position = [0, 3, 8]
+target = [0, 1, 0]
+width = 8
+height = 8
+[[shapes]]
+type = "sphere"
+centre = [0, 1, 0]
+radius = 1
+material = "red"
+[materials.red]
+[lights.a]
+type = "rectangle"
+centre = [0, 4, 0]
+edge_u = [1, 0, 0]
+edge_v = [0, 0, 2]
+grid = 4
+[lights.b]
+type = "disk"
+centre = [0, 4, 0]
+normal = [0, -1, 0]
+radius = 0.5
+[lights.c]
+type = "sphere"
+centre = [0, 4, 0]
+radius = 1
+shadows = false
+"""
+
+
+def test_area_lights_are_read_from_files(tmp_path):
+    (tmp_path / "scene.toml").write_text(FILE)
+    assert rt.load_scene(tmp_path / "scene.toml").lights == (
+        rt.RectangleLight("a", centre=(0, 4, 0), edge_u=(1, 0, 0), edge_v=(0, 0, 2), grid=4),
+        rt.DiskLight("b", centre=(0, 4, 0), normal=(0, -1, 0), radius=0.5),
+        rt.SphereLight("c", centre=(0, 4, 0), radius=1, shadows=False),
+    )
+
+
+def test_area_lights_in_files_say_what_is_wrong_with_them(tmp_path):
+    bad = FILE.replace("edge_v = [0, 0, 2]", "edge_v = [1, 1, 0]").replace("grid", "gird").replace("0.5", "0")
+    (tmp_path / "scene.toml").write_text(bad)
+    with pytest.raises(ValueError, match="gird") as caught:
+        rt.load_scene(tmp_path / "scene.toml")
+    lines = [line.partition("scene.toml: ")[2] for line in str(caught.value).splitlines()]
+    assert lines == [
+        "lights.a.gird: there is no such key; did you mean 'grid'?",
+        "lights.b.radius = 0: the light would have no size that can be computed with; give one above 0, or take "
+        'type = "point"',
+    ]
+    (tmp_path / "scene.toml").write_text(bad.replace("gird", "grid").replace("radius = 0", "radius = 0.5"))
+    with pytest.raises(ValueError, match=r"lights\.a\.edge_v = \[1, 1, 0\]: it is not perpendicular to edge_u"):
+        rt.load_scene(tmp_path / "scene.toml")
