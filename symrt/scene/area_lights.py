@@ -119,9 +119,9 @@ class RectangleLight:
         return _white(self, target)
 
     def bound(self, nearest: Nearest) -> float:
-        """Its area over the square of the smallest distance at which a surface may be, but no more than π."""
+        """Its area over the square of the smallest distance at which a surface may be, or 2π for each of its places."""
         u, v = length(column(self.edge_u))[0], length(column(self.edge_v))[0]
-        return _bound(float(u * v), nearest(np.array(self.centre)) - float(np.hypot(u, v)) / 2)
+        return _bound(self, float(u * v), nearest(np.array(self.centre)) - float(np.hypot(u, v)) / 2)
 
 
 @hinting
@@ -181,8 +181,8 @@ class DiskLight:
         return _white(self, target)
 
     def bound(self, nearest: Nearest) -> float:
-        """Its area over the square of the smallest distance at which a surface may be, but no more than π."""
-        return _bound(np.pi * self.radius**2, nearest(np.array(self.centre)) - self.radius)
+        """Its area over the square of the smallest distance at which a surface may be, or 2π for each of its places."""
+        return _bound(self, np.pi * self.radius**2, nearest(np.array(self.centre)) - self.radius)
 
 
 @hinting
@@ -252,8 +252,10 @@ class SphereLight:
         return _white(self, target)
 
     def bound(self, nearest: Nearest) -> float:
-        """π (r/d)² at the nearest surface, but no more than π."""
-        return _bound(np.pi * self.radius**2, nearest(np.array(self.centre)))
+        """π r²/(d² − r²) at the nearest surface, or 2π for each of its places."""
+        distance = nearest(np.array(self.centre))
+        from_border = np.sqrt(max(distance - self.radius, 0.0)) * np.sqrt(distance + self.radius)
+        return _bound(self, np.pi * self.radius**2, float(from_border))
 
 
 def _white(light: Any, target: Triple) -> float:
@@ -266,8 +268,10 @@ def _white(light: Any, target: Triple) -> float:
     return float(found.falloff[0] * max(dot(found.direction, first.direction)[0], 0.0)) / np.pi
 
 
-def _bound(area: float, distance: float) -> float:
-    return min(np.pi, area / distance / distance) if distance > 0 else np.pi
+def _bound(light: Any, area: float, distance: float) -> float:
+    """An upper bound on the sum of a light's samples; diffusers, whose light is exact, get no more than π."""
+    most = 2 * np.pi * len(light.samples(np.zeros((3, 1))))
+    return min(most, area / distance / distance) if distance > 0 else most
 
 
 # --- Checks ---------------------------------------------------------------------------------------------------------

@@ -45,8 +45,9 @@ def gauss_points(figure: Outline, count: int) -> Iterator[Illumination]:
         direction, distance = begins(figure, towards)
         square = dot(towards, towards)
         facing = np.maximum(-dot(direction, figure.normal), 0.0) * figure.shines
+        # Close to a place its part of the figure still fills no more than the half space.
         falloff = weight * area * facing / np.where(square > 0, square, np.inf)
-        yield Illumination(direction, distance, falloff)
+        yield Illumination(direction, distance, np.minimum(falloff, 2 * np.pi))
 
 
 def _square_points(count: int) -> list[tuple[float, float, float]]:

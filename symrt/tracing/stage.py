@@ -12,6 +12,7 @@ from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
 from symrt.geometry.triangle_mesh import TriangleMesh
+from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene
@@ -85,7 +86,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         lights=tuple(sorted((light for light in lights if light.via == "direct"), key=lambda light: light.name))
         + tuple(light for light in lights if light.via == "ambient"),
         remembered={
-            light.name: LightRecord(light.via, light.white(camera.target), light.bound(partial(_nearest, shapes)))
+            light.name: LightRecord(light.via, light.white(camera.target), _bound(light, shapes, scene))
             for light in lights
         },
         depth=scene.depth,
@@ -191,6 +192,14 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
     named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
     pairs = [(name, other) for name, others in alternatives.items() for other in others]
     return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}
+
+
+def _bound(light: Answering, shapes: Shapes, scene: Scene) -> float:
+    """The light's own bound; diffusers get no more from a light with an area than from the whole sky, π."""
+    bound = light.bound(partial(_nearest, shapes))
+    if isinstance(light, AreaLight) and all(material.reflection.diffusing for material in scene.materials):
+        return min(bound, np.pi)
+    return bound
 
 
 def _nearest(shapes: Shapes, place: np.ndarray) -> float:

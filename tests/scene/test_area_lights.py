@@ -251,7 +251,7 @@ def test_an_area_light_is_a_light(light):
     normals = np.repeat(Y[:, None], 50, axis=1)
     here, there = light.facing(points, normals), light.moved(by).facing(points + np.array(by)[:, None], normals)
     np.testing.assert_allclose(there.falloff, here.falloff, rtol=1e-12, atol=1e-14)
-    assert light.bound(lambda _: 0.0) == np.pi
+    assert light.bound(lambda _: 0.0) == 2 * np.pi * 16
     # Nothing is nearer than 10: what a surface there receives is below the bound.
     front = (normal_of(light) if light.type != "sphere" else Y)[:, None]
     facing = light.facing(np.array(light.centre)[:, None] + 10 * front, -front)

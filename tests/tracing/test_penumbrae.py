@@ -198,6 +198,25 @@ def test_penumbrae_left_out_are_bounded():
         assert ("lamp" in system.errors) == ("penumbrae" not in names)
 
 
+@pytest.mark.parametrize("model", [["lambert", "mirror"], ["phong", "mirror"]])
+def test_light_cut_off_after_mirrors_is_bounded_however_near_a_lamp_is(model):
+    # The lamp almost touches the floor, of which the ball shows a mirrored view.
+    lamp = rt.DiskLight("lamp", centre=(0.4, -1.15, 1.2), normal=(0, -1, 0), radius=0.5)
+    scene = lit_by(lamp, model=model, **({"exponent": 5} if "phong" in model else {}))
+    scene = replace(scene, materials=[scene.materials[0], replaced(scene.materials[0], "floor")])
+    palette = rt.Palette(rt.RGB, {symbol: 0.9 if "mirror" in symbol else 0.5 for symbol in scene.symbols})
+    cut, deep = (rt.shade(rt.render(replace(scene, depth=d), progress=False), palette) for d in (0, 6))
+    missing = (deep.values - cut.values).max(axis=(0, 1))
+    assert np.all(missing > 0)
+    assert np.all(missing <= cut.cut_off)
+    assert rt.trace(replace(scene, depth=0)).lights["lamp"].bound == (np.pi if "lambert" in model else 2 * np.pi * 16)
+
+
+def replaced(material, name):
+    """The same model under another name."""
+    return rt.Material(name, model=material.model, **material.parameters)
+
+
 def test_tiles_and_workers_give_the_same_bits_and_errors():
     scene = lit_by(LAMPS[2], size=33)
     whole = rt.collapse(rt.trace(scene))
