@@ -77,7 +77,8 @@ class Sphere:
     def __post_init__(self) -> None:
         finite("sphere", centre=self.centre, radius=self.radius, pole=self.pole, meridian=self.meridian)
         positive("sphere", radius=self.radius)
-        if not np.any(np.cross(self.pole, self.meridian)):
+        (a, b, c), (d, e, f) = self.pole, self.meridian
+        if not any((b * f - c * e, c * d - a * f, a * e - b * d)):
             raise ValueError(
                 f"sphere: pole = {self.pole} and meridian = {self.meridian}: they must not be zero or parallel"
             )
