@@ -65,7 +65,7 @@ def use(kernels: bool | None) -> Iterator[None]:
 
 
 def wanted() -> bool | None:
-    """What `use` last said in this thread: for a thread that is to do as the one that started it."""
+    """The last word of `use` in this thread, for a thread that is to do as the one that started it."""
     return _WANTED.get()
 
 
@@ -138,6 +138,7 @@ def _load(room: str) -> ModuleType | None:
 
 def _tried(room: str) -> tuple[ModuleType | None, str]:
     """A module of kernels, or None and what keeps it from being used: nothing, where Numba is not installed."""
+    # Numba may be missing, or unfit.
     try:
         from numba.core import errors, event  # noqa: PLC0415  # slow to import, and optional
     except ModuleNotFoundError as error:
@@ -146,6 +147,8 @@ def _tried(room: str) -> tuple[ModuleType | None, str]:
         return None, ""
     except ImportError as error:  # an unfit NumPy
         return None, _line(error)
+
+    # The canary first, then the kernels; a fault of either is told.
     try:
         with event.install_listener("numba:compile", import_module("symrt.fast.notice").Notice()):
             canary = import_module("symrt.fast.canary")

@@ -105,7 +105,7 @@ def described(gamut: ConvexGamut | UnevenGamut) -> str:
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> described(device_gamut(load_device("synthetic-cmyk")))
     'unit gamut (0 … 1), black clipped (necessary for a print of any printer; a synthetic halftone printer of 4 inks)'
     """
@@ -128,7 +128,7 @@ def limits(
     --------
     >>> from scipy import sparse
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> device = load_device("dye3-endura-premier")
     >>> system = LinearSystem(sparse.csr_array((1, 0)), (), height=1, width=1, white={"sun": 0.25})
     >>> asked = limits(system, Palette(device.bands, {"sun": 8}), device_gamut(device), Reference(exposure=0.5))

@@ -89,7 +89,7 @@ def feasible(  # noqa: PLR0913  # a public verb names its options
     --------
     >>> from symrt.feedback.parameters import Scale
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> device = load_device("dye3-endura-premier")
     >>> system = LinearSystem.of("0.25*sun*sea.diffuse", "0.5*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "sea.diffuse": 0.4})

@@ -9,8 +9,7 @@ from symrt.gamut.colorimetric import ColorimetricGamut, colorimetric_gamut
 from symrt.gamut.hull import TOLERANCE, HullGamut, hull_gamut
 from symrt.gamut.monitor import MonitorGamut, monitor_gamut
 from symrt.gamut.recipes import InkGamut, ink_gamut
-from symrt.gamut.slabs import Black, Gamut
-from symrt.gamut.slabs import device_gamut as slab_gamut
+from symrt.gamut.slabs import Black, Gamut, slab_gamut
 from symrt.spectra.bands import Number
 
 MODELS = ("unit", "envelope", "hull", "inks", "colorimetric", "monitor")

@@ -226,7 +226,7 @@ def clip(gamut: ConvexGamut, origin: PixelBands, direction: PixelBands) -> Inter
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> clip(gamut, np.zeros((1, 36)), np.full((1, 36), 0.5)).high.round(3)
     array([1.8])

@@ -47,7 +47,7 @@ class Gamut(OfPrinter):
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
+    >>> gamut = slab_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> gamut.contains(np.full((2, 36), [[0.5], [0.95]]))
     array([ True, False])
     """
@@ -186,7 +186,7 @@ class Gamut(OfPrinter):
         return f"Gamut({self.name}{modelled}; inside is {self.label}, not sufficient)"
 
 
-def device_gamut(device: Device, model: Model | str = "unit", black: Black | str = "clip") -> Gamut:
+def slab_gamut(device: Device, model: Model | str = "unit", black: Black | str = "clip") -> Gamut:
     """The gamut of a device.
 
     Parameters
@@ -204,7 +204,7 @@ def device_gamut(device: Device, model: Model | str = "unit", black: Black | str
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> device_gamut(load_device("dye3-endura-premier"), "envelope", black="strict")
+    >>> slab_gamut(load_device("dye3-endura-premier"), "envelope", black="strict")
     Gamut(envelope of dye3-endura-premier, black kept in every band (modelled); inside is necessary for a
     print, not sufficient)
     """

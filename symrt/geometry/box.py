@@ -89,15 +89,18 @@ class Box:
     type: Literal["box"] = field(default="box", kw_only=True)
 
     def __post_init__(self) -> None:
+        # Numbers, wherever the corners turn to.
         triples("box", centre=self.centre, size=self.size, rotate=self.rotate)
         finite("box", centre=self.centre, size=self.size, rotate=self.rotate)
         for i, length in enumerate(self.size):
             positive("box", **{f"size[{i}]": length})
         farthest = np.abs(self.centre).max() + np.abs(self.size).sum() / 2
-        if farthest > LARGEST:  # wherever its corners turn to
+        if farthest > LARGEST:
             raise ValueError(
                 f"box: size = {self.size}: its corners must be within {LARGEST}; choose a larger unit of length"
             )
+
+        # A name, or names of faces.
         if isinstance(self.material, dict):
             _named_faces(self.material)
         elif not isinstance(self.material, str):
@@ -186,9 +189,12 @@ def _candidates(
     units in the last place of all the numbers that make up a point, and as many more as a face is seen from its edge.
     The room is thousands of times as much.  A line almost along a face may meet it anywhere.
     """
+    # The rays as the box sees them, and the size of the numbers that rounding is a share of.
     origin = transformed(box.turn.T, rays.origin - column(box.centre))
     direction, half = transformed(box.turn.T, rays.direction), column(box.size) / 2
     reach = np.abs(origin).sum(axis=0) + half.sum() + np.abs(box.centre).sum()
+
+    # A face is asked where the ray passes through it, give or take, or goes along it.
     pairs = []
     for axis in range(3):
         along = np.abs(direction[axis]) < 1e-9

@@ -93,6 +93,7 @@ def bounded(flat: Flat, rays: Rays, low: float, inside: Callable[[Vectors], np.n
     """
     distance, primitive = np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32)
     with np.errstate(all="ignore"):
+        # Across an axis the distance is one division; otherwise it is asked for where the ray may arrive.
         if flat.axis is not None:
             found = plane_distance(flat, rays)
             chosen = np.flatnonzero((found > low) & (found <= LARGEST))
@@ -102,6 +103,8 @@ def bounded(flat: Flat, rays: Rays, low: float, inside: Callable[[Vectors], np.n
             found = plane_distance(flat, rays[chosen])
             ahead = (found > low) & (found <= LARGEST)
             chosen, found = chosen[ahead], found[ahead]
+
+        # The part of the plane that there is.
         if inside is not None:
             met = inside((rays.origin.take(chosen, axis=1) - flat.point) + found * rays.direction.take(chosen, axis=1))
             chosen, found = chosen[met], found[met]

@@ -52,6 +52,8 @@ def meet(
             which = np.flatnonzero(others) if which is None else which[others]
             if not which.size:
                 return
+
+    # The kernel, and NumPy for all rays or for those that it cannot decide.
     part = rays if which is None else rays[which]
     into = hits if which is None else Hits(hits.distance[which], hits.shape[which], hits.primitive[which])
     undecided = _meet_compiled(shape, index, part, into, low, any_hit)
@@ -62,6 +64,8 @@ def meet(
         there = np.flatnonzero(closer) if undecided is None else undecided[closer]
         into.distance[there], into.shape[there] = crossing.distance[closer], index
         into.primitive[there] = crossing.primitive[closer]
+
+    # The answers of some of the rays go among those of all.
     if which is not None:
         hits.distance[which], hits.shape[which], hits.primitive[which] = into.distance, into.shape, into.primitive
 

@@ -129,7 +129,7 @@ def _squared_across(m: Float[np.ndarray, "3 ray"], d: Float[np.ndarray, "3 ray"]
 
 
 def _room(sphere: Sphere, m: Float[np.ndarray, "3 ray"]) -> PerRay:
-    """How far from the centre a line can pass, by plain arithmetic, and still meet the sphere."""
+    """The largest distance from the centre, by plain arithmetic, of a line that may still meet the sphere."""
     return sphere.radius * (1 + 1e-9) + 16 * ROUNDING * (np.abs(m[0]) + np.abs(m[1]) + np.abs(m[2]))
 
 

@@ -108,10 +108,13 @@ class TriangleMesh:
     @cached_property
     def kernel(self) -> Kernel:
         """Its compiled form, which needs no Embree: a node's children, and a leaf's triangles, side by side."""
+        # The root, then the children of each node together, as the kernel walks.
         boxes = np.concatenate([level.reshape(6, -1).T for level in self.tree.boxes])
         root = np.full((6, bvh.WAYS), np.nan)
         root[:, 0] = boxes[0]
         families = np.ascontiguousarray(boxes[1:].reshape(-1, bvh.WAYS, 6).transpose(0, 2, 1))
+
+        # The corners of the triangles in each leaf; nan in slots left over, which no ray meets.
         slots = np.where(self.tree.order >= 0, self.corners.reshape(9, -1)[:, self.tree.order], np.nan)
         leaves = np.ascontiguousarray(slots.reshape(9, -1, bvh.LEAF).transpose(1, 0, 2))
         constants = (
@@ -171,7 +174,7 @@ def _intersect_block(mesh: TriangleMesh, rays: Rays, low: float) -> Crossing:
 
 
 def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, low: float) -> Crossing:
-    """What Embree sees first, met again in double precision; rays that it may misjudge go to the hierarchy."""
+    """The triangles that Embree sees first, met again in double precision; where it may misjudge, the hierarchy's."""
     found = Crossing(np.full(len(rays), np.inf), np.full(len(rays), -1, np.int32))
     step = 2.0**-12 * thickened.radius
     chosen, enter = _through_ball(thickened, rays, low)
@@ -236,10 +239,13 @@ def surface_mesh(mesh: TriangleMesh, rays: Rays, distance: PerRay, primitive: In
     >>> surface_mesh(one, ray, np.array([3.0]), np.zeros(1, np.int32)).point.T
     array([[0.2, 0.2, 0. ]])
     """
+    # The point, moved onto the plane of its triangle.
     normal, corner = mesh.unit_normals.take(primitive, axis=1), mesh.corners.take(primitive, axis=2)
     point = rays.origin + distance * rays.direction
     height = pair_dot(two_sum(point, -corner[0]), exact(normal))[0]
     point = point - height * normal
+
+    # What vertices carry, blended.
     weights = triangles.barycentric(corner, normal, point)
     shading = (
         normal

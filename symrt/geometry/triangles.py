@@ -99,12 +99,15 @@ def _edge_functions(
     corners: Corners, rays: Rays, ray: Int[np.ndarray, " pair"], triangle: Int[np.ndarray, " pair"]
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """The three edge functions of Woop, Benthin and Wald, and the depth of each corner along the ray."""
+    # Shear space so that the ray goes along its longest axis.
     direction, origin = rays.direction.take(ray, axis=1), rays.origin.take(ray, axis=1)
     axis = np.argmax(np.abs(direction), axis=0)
     pairs = np.arange(ray.size)
     along = direction[axis, pairs]
     x, y = (axis + 1) % 3, (axis + 2) % 3
     shear_x, shear_y = direction[x, pairs] / along, direction[y, pairs] / along
+
+    # The corners there, and the areas that each edge makes with the ray.
     px, py, depth = [], [], []
     for corner in corners:
         offset = corner.take(triangle, axis=1) - origin

@@ -31,6 +31,7 @@ def described(thing: object) -> Iterator[bytes]:
     >>> list(described((1.5, "sun")))
     [b'tuple[', b'0x1.8000000000000p+0;', b"'sun';", b']']
     """
+    # Leaves: formulas, arrays and numbers to the last bit; whatever else is a record of such.
     if isinstance(thing, sympy.Basic):
         yield f"{sympy.srepr(thing)};".encode()
     elif isinstance(thing, np.ndarray):

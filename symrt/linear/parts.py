@@ -122,6 +122,7 @@ def merge_parts(folder: str | Path) -> LinearSystem:
 
 def _there(path: Path, part: tuple[int, int], picture: Picture) -> bool:
     """Whether a part was rendered earlier; one that is damaged, or another part, is to be rendered again."""
+    # A part of another picture is not ours to overwrite; a damaged one is.
     if not path.exists():
         return False
     try:
@@ -154,6 +155,7 @@ def _systems(
     folder: Path, found: Mapping[tuple[int, int], Path], count: int, picture: Picture
 ) -> Generator[LinearSystem, None, None]:
     """The system of each part in turn; what is wrong with any is said at the end, when all have been looked at."""
+    # Parts in their order, as long as none is missing; after that only faults are collected.
     faults, wanting = [], []
     for number in range(1, count + 1):
         path = found.get((number, count))

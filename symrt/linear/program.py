@@ -59,8 +59,11 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
     >>> make_program({"brass": shiny}, free={"brass.exponent": (10, 160)}).nodes["brass.exponent"].high
     160.0
     """
+    # Parameters get their values, or nodes.
     materials = with_values(materials, values or {})
     nodes = _nodes(materials, free)
+
+    # What alternatives bring belongs to the material whose place they may take.
     own = {name: record for name, record in materials.items() if not Surface.of(name).alternative}
     return Program(
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},

@@ -39,11 +39,14 @@ class Tiles:
         ValueError
             If the name of the tile is that of a folder.
         """
+        # Nothing there, or nothing of ours.
         path = self.path(window)
         if path.is_dir():
             raise ValueError(f"{path}: a folder has the name of a tile: remove it, or name an empty folder")
         if not path.exists():
             return None, ""
+
+        # A tile of this picture and this window is taken; any other goes, and is told.
         try:
             piece = read_piece(path)
             wrong = next(piece.picture.differs(self.picture), "")

@@ -242,12 +242,15 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
 
 def _open_glass_faults(scene: Scene) -> Iterator[str]:
     """Shapes of glass that enclose nothing; meshes that are still files are looked at when they are read."""
+    # Materials of glass, and textures that hold some.
     glass = {material.name for material in scene.materials if material.reflection.refracts}
     blended = {
         texture.name
         for texture in scene.textures
         if glass.intersection(name for _, name in named_materials("", texture.materials))
     }
+
+    # Shapes that are open.
     for index, shape in enumerate(scene.shapes):
         kind = "tube" if getattr(shape, "capped", True) is False else getattr(shape, "type", "mesh")
         if kind in OPEN:

@@ -7,12 +7,12 @@ from jaxtyping import Float
 
 from symrt.arrays import Spectrum
 from symrt.gamut.colorimetric import ColorimetricGamut
-from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.gamuts import AnyGamut, device_gamut
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.interface import SlabGamut
 from symrt.gamut.intersections import AnyIntersection, SlabIntersection
 from symrt.gamut.recipes import InkGamut
-from symrt.gamut.slabs import Gamut, device_gamut
+from symrt.gamut.slabs import Gamut
 from symrt.gamut.views import Polyhedron, Shadow, convex_solid
 
 FLAT = 1e-9

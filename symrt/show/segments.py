@@ -134,7 +134,7 @@ def segments_of(
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"), "envelope")
     >>> palette = Palette(gamut.bands, {"sun": 2, "snow.diffuse": 0.9, "soot.diffuse": 0.02})
     >>> found = segments_of(gamut, palette)
@@ -192,7 +192,7 @@ def scale_segments(
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> grey = Palette(gamut.bands, {"grey.diffuse": 0.5})
     >>> ((low, high),) = scale_segments(gamut, grey, ["grey"], np.ones(36))[0].inside
@@ -221,7 +221,7 @@ def blend_segments(
     Examples
     --------
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> gamut = device_gamut(load_device("dye3-endura-premier"))
     >>> greys = Palette(gamut.bands, {"dark.diffuse": 0.1, "light.diffuse": 0.5})
     >>> [(s.names, s.inside) for s in blend_segments(gamut, greys, ["dark", "light"], np.ones(36))]

@@ -10,7 +10,7 @@ from symrt.device import cxf, measured
 from symrt.device.inks import load_device
 from symrt.device.printing import reflectance
 from symrt.gamut.files import load_gamut, save_gamut
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.spectra.bands import wavelengths
 
 HUGE = {

@@ -19,7 +19,7 @@ from symrt.device.inks import load_device
 from symrt.device.printing import Device, reflectance
 from symrt.gamut.accuracy import basis_report
 from symrt.gamut.files import load_gamut, save_gamut
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.library import colour_science
 

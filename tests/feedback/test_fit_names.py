@@ -9,7 +9,7 @@ from scipy import sparse
 
 from symrt.device.inks import load_device
 from symrt.feedback import Scale, fit
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference

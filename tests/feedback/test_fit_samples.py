@@ -10,7 +10,7 @@ from feedback.synthetic import palette, system
 
 from symrt.device.inks import load_device
 from symrt.feedback import Scale, fit
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.spectra.reference import Reference
 
 DEVICE = load_device("dye3-endura-premier")

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from symrt.device.inks import load_device
 from symrt.feedback import Scale, feasible, safe_box
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

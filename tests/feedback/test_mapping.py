@@ -15,7 +15,7 @@ from symrt.device.inks import load_device
 from symrt.feedback.joint import fits
 from symrt.feedback.parameters import Scale
 from symrt.feedback.ranges import feasible
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

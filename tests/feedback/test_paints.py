@@ -17,8 +17,8 @@ from symrt.feedback.lines import line_of
 from symrt.feedback.mixing import absorption, mixed, painted, reflected, slopes
 from symrt.feedback.parameters import Blend, moved
 from symrt.feedback.ranges import feasible
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.hull import hull_gamut
-from symrt.gamut.slabs import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

@@ -9,7 +9,7 @@ from symrt.feedback.parameters import Blend, Exposure, Scale, moved
 from symrt.feedback.ranges import feasible
 from symrt.feedback.regions import split
 from symrt.feedback.weighing import Weighed, check_mask, pixels_of, weighed
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette

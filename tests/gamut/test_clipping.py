@@ -11,9 +11,9 @@ from symrt import fast
 from symrt.device.inks import load_device
 from symrt.gamut import clipping
 from symrt.gamut.clipping import blocking
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.gamuts import device_gamut as every_gamut
 from symrt.gamut.interface import clip
-from symrt.gamut.slabs import device_gamut
 from symrt.spectra.bands import wavelengths
 
 UNIT = Fraction(1, 2**53)

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import linprog
 
 from symrt.device.inks import load_device
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
+from symrt.gamut.slabs import slab_gamut
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.library import spectrum
@@ -92,9 +93,9 @@ def test_coordinate_of_the_neutral_axis_runs_from_0_to_6(device):
 
 def test_unknown_models_are_named(device):
     with pytest.raises(ValueError, match="model = 'hull'"):
-        device_gamut(device, "hull")
+        slab_gamut(device, "hull")
     with pytest.raises(ValueError, match="black = 'lift'"):
-        device_gamut(device, "unit", "lift")
+        slab_gamut(device, "unit", "lift")
 
 
 def test_prints_of_the_blackest_luminance_are_inside_together_and_alone(device):

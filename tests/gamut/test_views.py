@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linprog
 
 from symrt.device.inks import load_device
-from symrt.gamut.slabs import device_gamut
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.views import Shadow, Slice
 
 

@@ -25,9 +25,10 @@ from symrt.feedback.parameters import Exposure, Scale, moved
 from symrt.feedback.pixelwise import Target, map_pixels
 from symrt.feedback.ranges import Range, check_share, checked_range, feasible
 from symrt.feedback.reasons import Feasible
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
-from symrt.gamut.slabs import Gamut, device_gamut
+from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked

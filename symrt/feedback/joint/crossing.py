@@ -109,7 +109,8 @@ def without_unfixable(plane: Plane, image: Image, values: Float[np.ndarray, " li
 
 
 def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
-    """What keeps the other parameter in its range with the one at a value, if `budget` pixels may be outside."""
+    """The values that the other parameter may have with the one at a value, if `budget` pixels may be outside."""
+    # The line, and what the gamut allows on it: above, and below where black must be kept.
     painted, within = moved(image.part, plane.palette, plane.one, value), plane.within[1]
     line = along(image.part, painted, plane.other)
     spans = _spans(image, line, plane.asked, within)
@@ -118,11 +119,15 @@ def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
         lit = np.flatnonzero(image.dark)
         found = _sure(image, line, plane.asked.dark, _dark_spans(line, plane.asked.dark, lit, within))
         limiting.append(pieces(found, within, int(image.dark.sum()), "dark"))
+
+    # What stays physical.
     least, most = _caps(plane, painted) if plane.cap else (ENDLESS, UNLIMITED)
     if least.value <= most.value:
         limiting.append([Piece(least.value, most.value, End("cap"), End("cap"))])
     else:
         limiting.append([])
+
+    # All of that at once, and why it ends.
     found_here = reduce(shared, limiting)
     why = _why(plane, image, line)
     always = image.objects - len(image.pixels) - len(image.outside) - len(image.unfixable)
@@ -230,11 +235,14 @@ def _why(plane: Plane, image: Image, line: Along) -> Callable[[End, float, Cap],
 
 def _caps(plane: Plane, painted: Palette) -> tuple[Cap, Cap]:
     """The least and the largest value of the other parameter at which what either moves stays physical."""
+    # The groups of reflectances that count together and that either parameter moves.
     ends = moved_ends(plane.system, painted, plane.other)
     either = {*ends, *moved_ends(plane.system, plane.palette, plane.one)}
     groups = {name: own for name, own in grouped(painted).items() if not either.isdisjoint(own)}
     if not groups:
         return ENDLESS, UNLIMITED
+
+    # Their sums where the other is 0 and where it is 1, and where the line between passes 1.
     first, last = (
         np.array([np.sum([ends.get(s, (painted[s], painted[s]))[k] for s in own], axis=0) for own in groups.values()])
         for k in (0, 1)

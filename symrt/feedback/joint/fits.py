@@ -26,9 +26,10 @@ from symrt.feedback.joint.objectives import Regions
 from symrt.feedback.limits import Limits, rising_limits
 from symrt.feedback.parameters import Scale, moved_ends
 from symrt.feedback.ranges import Range, check_share, checked_range, dark_share
+from symrt.gamut.gamuts import device_gamut
 from symrt.gamut.interface import ConvexGamut
 from symrt.gamut.intersections import UnevenGamut
-from symrt.gamut.slabs import Black, Gamut, device_gamut
+from symrt.gamut.slabs import Black, Gamut
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked

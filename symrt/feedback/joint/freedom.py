@@ -85,7 +85,7 @@ def safe_box(  # noqa: PLR0913  # a public verb names its options
     One pixel that two materials share: each alone may go to 3, both together not:
 
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> device = load_device("dye3-endura-premier")
     >>> system = LinearSystem.of("0.25*sun*ice.diffuse + 0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})

@@ -1,4 +1,4 @@
-"""Which pairs of two parameters keep an image inside a gamut: step 5 of the paper, for two parameters at once.
+"""Pairs of two parameters that keep an image inside a gamut: step 5 of the paper, for two parameters at once.
 
 With one parameter at a value, the other's range is found as `feasible` finds it, certified: a line through the plane of
 pairs.  Many such lines show the region.
@@ -61,7 +61,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     most: int = ASKED,
     progress: bool = True,
 ) -> JointRegion:
-    """Which pairs of values of two parameters keep the image inside a gamut, and what stops them.
+    """The pairs of values of two parameters that keep the image inside a gamut, and what stops them.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     Two materials share a pixel, each with a quarter of the white's light: their scales may sum to 4:
 
     >>> from symrt.device.inks import load_device
-    >>> from symrt.gamut.slabs import device_gamut
+    >>> from symrt.gamut.gamuts import device_gamut
     >>> device = load_device("dye3-endura-premier")
     >>> system = LinearSystem.of("0.25*sun*ice.diffuse + 0.25*sun*sea.diffuse", white={"sun": 0.5})
     >>> palette = Palette(device.bands, {"sun": 2, "ice.diffuse": 0.5, "sea.diffuse": 0.5})
@@ -97,6 +97,7 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     >>> (1, 2.9) in found, (2, 2.5) in found, round(found.separate_inside, 3)
     (True, False, 0.776)
     """
+    # What is asked, of which pixels.
     start = time.perf_counter()
     check_share(allowed_out, "allowed_out")
     ranges = _checked(one, other, within, steps)
@@ -104,6 +105,8 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     line = along(system, palette, one)
     counted = drawn(line, asked, weighed(system, None, mask), given_value(one), most, extremes=not allowed_out)
     plane = Plane(system, palette, asked, one, other, ranges, cap, counted.pixels)
+
+    # Each parameter by itself, and both free of each other.
     alone = partial(
         feasible,
         system,
@@ -118,11 +121,15 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     )
     separate = alone(one, within=ranges[0]), alone(other, within=ranges[1])
     box = None if allowed_out or mask is not None else _box(plane, gamut, reference)
+
+    # Where lines stand, and which pixels may bind on them.
     seen = image(plane)
     values = _values(plane, steps, separate[0], box, seen)
     seen = without_unfixable(plane, seen, values)
     budget = int(allowed_out * seen.objects + 1e-9) - len(seen.outside) - len(seen.unfixable)
     across = np.linspace(*ranges[1], steps)
+
+    # The lines: those, and more where the region ends and where its edge bends.
     bar = tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress)
     with bar:
 
@@ -132,6 +139,8 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
 
         drawn_lines = _to_its_ends(draw, values)
         hidden = _where_it_bends(draw, drawn_lines, separate, most=steps)
+
+    # The answer, line by line.
     values, lines = np.array(sorted(drawn_lines)), [drawn_lines[value] for value in sorted(drawn_lines)]
     found = JointRegion(
         one=one,

@@ -1,4 +1,4 @@
-"""Which pairs of two parameters keep an image inside, in words: the answer of `joint_region`, step 5 of the paper."""
+"""The pairs of two parameters that keep an image inside, in words: step 5 of the paper, for `joint_region`."""
 
 import html
 from dataclasses import dataclass
@@ -133,12 +133,15 @@ class JointRegion:
         return f"{rows}<p><small>{html.escape(self.note)}</small></p>"
 
     def _lines(self) -> list[str]:
+        # The share of all pairs.
         whom = "the image" if self.verdict == "complete" else "the rest of the image"
         (low, high), (bottom, top) = self.within
         lines = [
             f"Of all pairs, {self.one} in {low:g} … {high:g} and {self.other} in {bottom:g} … {top:g}, "
             f"{_measured(self.share, self.share_error)} keep {whom} inside ({self.verdict})."
         ]
+
+        # The ranges one by one, their rectangle, and the box in which both are free.
         ranges = [" or ".join(f"{a:.4g} … {b:.4g}" for a, b in found.intervals) or "none" for found in self.separate]
         lines.append(f"One by one, {self.one}: {ranges[0]}; {self.other}: {ranges[1]}.")
         if self.separate_inside is not None and self.separate_error is not None:
@@ -147,6 +150,8 @@ class JointRegion:
         if self.box is not None:
             sides = "; ".join(f"{name} {a:.4g} … {b:.4g}" for name, (a, b) in self.box.box.items())
             lines.append(f"Both are free of each other in {sides}.")
+
+        # The pixels that are outside whatever the pair.
         counts = (
             (len(self.untouched_outside), "outside and untouched"),
             (len(self.unfixable), "outside on every line"),

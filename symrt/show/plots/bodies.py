@@ -7,12 +7,12 @@ from matplotlib.collections import PolyCollection
 
 from symrt.device.colorimetry import VISIBLE, lab, tristimulus
 from symrt.gamut.colorimetric import ColorimetricGamut
-from symrt.gamut.gamuts import AnyGamut
+from symrt.gamut.gamuts import AnyGamut, device_gamut
 from symrt.gamut.hull import HullGamut
 from symrt.gamut.intersections import AnyIntersection, SlabIntersection
 from symrt.gamut.monitor import MonitorGamut
 from symrt.gamut.recipes import InkGamut
-from symrt.gamut.slabs import Gamut, device_gamut
+from symrt.gamut.slabs import Gamut
 from symrt.gamut.views import convex_solid
 from symrt.show.body import body_of
 from symrt.show.plots.gamut import device_text, solids_figure
