@@ -132,6 +132,12 @@ class TriangleMesh:
         """Whether every edge, by the positions of its ends, is run through as often one way as the other."""
         return self.open_edge is None
 
+    @property
+    def volume(self) -> float:
+        """The volume that a closed mesh encloses, below 0 if its triangles are clockwise seen from outside."""
+        first, second, third = self.corners - self.vertices.mean(axis=1).reshape(3, 1)
+        return float(np.sum(first * np.cross(second, third, axis=0)) / 6)
+
     @cached_property
     def open_edge(self) -> Float[np.ndarray, "2 3"] | None:
         """Both ends of the first edge that is run through more often one way than the other; None if none is."""

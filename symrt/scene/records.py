@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from symrt.reflection.models import Model
 
 HIGHEST_INDEX = 100
-"""Largest refractive index: none of nature's is near it."""
+"""Largest refractive index, and its inverse the least: none of nature's is near them."""
 DEEPEST = 1000
 """Largest number of mirror bounces that a scene may ask for."""
 
@@ -191,8 +191,14 @@ def _parameter_faults(material: Material) -> Iterator[str]:
             yield f"{key if key.isidentifier() else shown(key)}: {rule}"
         elif not faults and key == "exponent" and not 0 <= value <= 1e7:
             yield f"exponent = {shown(value)}: it must be from 0 to 1e7; 40 is glossy"
-        elif not faults and key == "index" and material.reflection.refracts and not 0 < value <= HIGHEST_INDEX:
-            yield f"index = {shown(value)}: it must be above 0, at most {HIGHEST_INDEX}; glass has 1.5, water 1.33"
+        elif (
+            not faults
+            and key == "index"
+            and material.reflection.refracts
+            and not 1 / HIGHEST_INDEX <= value <= HIGHEST_INDEX
+        ):
+            rule = f"it must be from {1 / HIGHEST_INDEX} to {HIGHEST_INDEX}"
+            yield f"index = {shown(value)}: {rule}; glass has 1.5, water 1.33"
         yield from faults
 
 
@@ -242,13 +248,15 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
 
 def _open_glass_faults(scene: Scene) -> Iterator[str]:
     """Shapes of glass that enclose nothing; meshes that are still files are looked at when they are read."""
-    # Materials of glass, and textures that hold some.
+    # Glass is no paint: the rays of two materials at one point could not be told apart.
     glass = {material.name for material in scene.materials if material.reflection.refracts}
-    blended = {
-        texture.name
-        for texture in scene.textures
-        if glass.intersection(name for _, name in named_materials("", texture.materials))
-    }
+    for texture in scene.textures:
+        yield from (
+            f"textures.{texture.name}.materials: {name!r}: light goes through it, and a texture blends surfaces; give "
+            "the shape this material itself"
+            for _, name in named_materials("", texture.materials)
+            if name in glass
+        )
 
     # Shapes that are open.
     for index, shape in enumerate(scene.shapes):
@@ -259,7 +267,7 @@ def _open_glass_faults(scene: Scene) -> Iterator[str]:
                 f"shapes[{index}].material = {name!r}: light goes through it, and a {kind} has no inside; use a "
                 "sphere, a box, a capped cylinder or a closed mesh"
                 for name in names
-                if name in glass | blended
+                if name in glass
             )
 
 

@@ -110,6 +110,8 @@ def _check_closed(scene: Scene, shapes: Sequence[object]) -> None:
                 f"shapes[{index}]: a mesh of glass must be closed, and its edge from {first} to {last} belongs to one "
                 "triangle only, or to two that are wound against each other; repair the mesh"
             )
+        if isinstance(shape, TriangleMesh) and glass.intersection(shape.materials) and shape.volume < 0:
+            raise ValueError(f"shapes[{index}]: a mesh of glass is wound inside out; turn its faces round")
 
 
 def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ...]:

@@ -223,8 +223,8 @@ def test_what_cannot_be_glass_is_refused_with_a_remedy(tmp_path):
     scene = scene_of_glass()
     with pytest.raises(ValueError, match=r"index: the model glass needs it"):
         rt.Material("ball", "glass")
-    for index in (0.0, -1.5, 1e9):
-        with pytest.raises(ValueError, match=r"index = .*: it must be above 0, at most 100; glass has 1.5"):
+    for index in (0.0, -1.5, 1e-300, 1e9):
+        with pytest.raises(ValueError, match=r"index = .*: it must be from 0.01 to 100; glass has 1.5"):
             rt.Material("ball", "glass", index=index)
     with pytest.raises(ValueError, match=r"shapes\[1\].material = 'ball': .* a rectangle has no inside; use a sphere"):
         replace(scene, shapes=[scene.shapes[0], replace(scene.shapes[1], material="ball")])
@@ -239,3 +239,21 @@ def test_what_cannot_be_glass_is_refused_with_a_remedy(tmp_path):
     with pytest.raises(ValueError, match=r"shapes\[0\]: a mesh of glass must be closed, and its edge from \(") as said:
         rt.trace(opened)
     assert "\n" not in str(said.value)
+    blended = replace(scene.shapes[0], material="both")
+    with pytest.raises(ValueError, match=r"textures.both.materials: 'ball': .* a texture blends surfaces"):
+        replace(scene, shapes=[blended], textures=[rt.Checker("both", ("ball", "floor"), 0.5)])
+
+
+@pytest.mark.parametrize("outwards", [True, False])
+def test_a_mesh_of_glass_has_its_normals_outside(tmp_path, outwards):
+    faces = ["1 3 2", "1 2 4", "1 4 3", "2 3 4"]
+    lines = [f if outwards else " ".join(reversed(f.split())) for f in faces]
+    points = ["v 0 0 0", "v 1 0 0", "v 0 1 0", "v 0 0 1"]
+    (tmp_path / "drop.obj").write_text("\n".join([*points, *(f"f {line}" for line in lines)]) + "\n")
+    base = scene_of_glass()
+    scene = replace(base, shapes=[rt.Mesh("drop.obj", "ball"), base.shapes[1]], folder=tmp_path)
+    if outwards:
+        assert rt.trace(scene).rays["refraction"] > 0
+    else:
+        with pytest.raises(ValueError, match=r"shapes\[0\]: a mesh of glass is wound inside out; turn its faces round"):
+            rt.trace(scene)
