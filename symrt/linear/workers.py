@@ -8,8 +8,9 @@ import warnings
 from collections import deque
 from collections.abc import Generator
 from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import lru_cache, partial
+from multiprocessing import resource_tracker
 from typing import Literal
 
 from threadpoolctl import threadpool_limits
@@ -80,13 +81,29 @@ def _by_processes(job: Job, windows: list[Window]) -> Generator[Tile, None, None
 
     begin = partial(_begin, job, fast.wanted(), os.getpid())
     pool = ProcessPoolExecutor(min(processors(), len(windows)), initializer=begin)
-    waiting = deque(pool.submit(_next, window) for window in windows)
+    with _interrupts_held():
+        waiting = deque(pool.submit(_next, window) for window in windows)
     try:
         while waiting:
             yield waiting.popleft().result()
     finally:
         # Whatever ends the render early, an interrupt too, ends the workers in the midst of their tiles.
         pool.shutdown(wait=True, kill_workers=bool(waiting))
+
+
+@contextmanager
+def _interrupts_held() -> Generator[None, None, None]:
+    """Keep interrupts of this thread waiting: processes begun meanwhile inherit that, and never see one."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # Started later, Python's own tracker of semaphores would let interrupts through again.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 _begun: list[Job] = []
