@@ -102,7 +102,7 @@ def test_a_script_without_a_guard_uses_processes_and_leaves_none_behind(tmp_path
         [sys.executable, str(script)], env=ENVIRONMENT, start_new_session=True, stderr=subprocess.PIPE, text=True
     )
     begins = how.endswith("begin")
-    while not (list(tmp_path.glob("tiles/tile-*.npz")) or begins and len(children(process.pid)) > 3):
+    while not (list(tmp_path.glob("tiles/tile-*.npz")) or (begins and len(children(process.pid)) > 3)):
         assert process.poll() is None
         time.sleep(0.02)
     below = children(process.pid)
