@@ -88,6 +88,14 @@ def textured(shape, **texture):
     return scene(shape | {"material": "cloth"}, textures={"cloth": texture})
 
 
+def glazed(**texture):
+    """A ball whose texture has glass in it, before a pipe."""
+    glass = {"crystal": {"model": "glass", "index": 1.7}, "water": {"model": "glass", "index": 1.33}}
+    cloth = {"cloth": texture}
+    behind = PIPE | {"base": [-1.4, 0.2, -0.9], "top": [0.5, 1.6, -1.4], "radius": 0.3}
+    return scene(BALL | {"material": "cloth"}, behind, textures=cloth, materials=glass, depth=3)
+
+
 def modelled(model, **parameters):
     return scene(BALL | {"material": "own"}, materials={"own": {"model": model, **parameters}})
 
@@ -213,6 +221,11 @@ SMALL = {
     "a depth of 0": scene(BALL | {"material": "chrome"}, depth=0),
     "a depth of 1": scene(BALL | {"material": "chrome"}, PIPE | {"material": "chrome"}, depth=1),
     "a checker of mirror and paint": textured(BALL, type="checker", size=0.4, materials=["chrome", "blue"]),
+    "a checker of two glasses": glazed(type="checker", size=0.3, materials=["crystal", "water"]),
+    "glasses, a mirror and paint blended": glazed(
+        type="weight_image", file="weights.png", materials=["crystal", "chrome", "water"]
+    ),
+    "glass and paint blended": glazed(type="weight_image", file="weights.png", materials=["blue", "crystal", "red"]),
 }
 
 

@@ -99,7 +99,7 @@ def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Ite
     """Continue paths along a branch, by material and by term."""
     for points in level.points:
         compiled = program.compiled[points.material][branch.via]
-        if not compiled.terms:
+        if not compiled.terms or not branch.sent_by(points):
             continue
         if free := sorted({parameter for _, nodes in compiled.terms for parameter, _ in nodes}):
             raise ValueError(

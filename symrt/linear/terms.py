@@ -131,7 +131,7 @@ def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, l
     # The radiance that further rays bring.
     for mark, branch, ray, below in _rays(tree, place.depth, int(points.hit[point])):
         formula = formulas[branch.via]
-        if formula != 0:
+        if formula != 0 and branch.sent_by(points):
             beyond = place.beyond(mark)
             # The ray's cosines belong to the hit it leaves from; where it ends a light has cosines of the same names.
             own = {Factor(k): letters.letter(k, values[ray], "to", str(beyond)) for k, values in branch.factors.items()}

@@ -151,6 +151,12 @@ class Scene:
     def _named_by_shapes(self) -> frozenset[str]:
         return frozenset(name for shape in self.shapes for _, name in named_materials("", _materials_of(shape)))
 
+    @cached_property
+    def glass(self) -> frozenset[str]:
+        """Names of the materials that light goes through, or that mirror as glass, and of textures that have them."""
+        clear = frozenset(material.name for material in self.materials if material.reflection.refracts)
+        return clear | {texture.name for texture in self.textures if not clear.isdisjoint(texture.materials)}
+
     def material(self, name: str) -> Material:
         """The material of a given name."""
         return next(material for material in self.materials if material.name == name)
@@ -248,17 +254,6 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
 
 def _open_glass_faults(scene: Scene) -> Iterator[str]:
     """Shapes of glass that enclose nothing; meshes that are still files are looked at when they are read."""
-    # Glass is no paint: the rays of two materials at one point could not be told apart.
-    glass = {material.name for material in scene.materials if material.reflection.refracts}
-    for texture in scene.textures:
-        yield from (
-            f"textures.{texture.name}.materials: {name!r}: light goes through it, and a texture blends surfaces; give "
-            "the shape this material itself"
-            for _, name in named_materials("", texture.materials)
-            if name in glass
-        )
-
-    # Shapes that are open.
     for index, shape in enumerate(scene.shapes):
         kind = "tube" if getattr(shape, "capped", True) is False else getattr(shape, "type", "mesh")
         if kind in OPEN:
@@ -267,7 +262,7 @@ def _open_glass_faults(scene: Scene) -> Iterator[str]:
                 f"shapes[{index}].material = {name!r}: light goes through it, and a {kind} has no inside; use a "
                 "sphere, a box, a capped cylinder or a closed mesh"
                 for name in names
-                if name in glass
+                if name in scene.glass
             )
 
 

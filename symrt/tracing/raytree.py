@@ -94,17 +94,24 @@ class Branch:
         A further share of each ray.
     factors
         Cosines of each ray's own direction, where the formula names any.
+    materials
+        The materials whose formula it is, by the names of their points; None if it is that of all that have it.
     """
 
     via: str
     parent: Int[np.ndarray, " ray"]
     weight: Float[np.ndarray, " ray"]
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
+    materials: frozenset[str] | None = None
 
     @property
     def size(self) -> int:
         """Number of rays."""
         return self.parent.size
+
+    def sent_by(self, points: Points) -> bool:
+        """True if the rays are sent on by the formula of these points, where they leave from them."""
+        return self.materials is None or points.material in self.materials
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,15 +102,18 @@ def _check_closed(scene: Scene, shapes: Sequence[object]) -> None:
     ValueError
         That names the mesh, and the ends of its first open edge.
     """
-    glass = {material.name for material in scene.materials if material.reflection.refracts}
     for index, shape in enumerate(shapes):
-        if isinstance(shape, TriangleMesh) and glass.intersection(shape.materials) and shape.open_edge is not None:
+        if (
+            isinstance(shape, TriangleMesh)
+            and scene.glass.intersection(shape.materials)
+            and shape.open_edge is not None
+        ):
             first, last = (tuple(end) for end in shape.open_edge.tolist())
             raise ValueError(
                 f"shapes[{index}]: a mesh of glass must be closed, and its edge from {first} to {last} belongs to one "
                 "triangle only, or to two that are wound against each other; repair the mesh"
             )
-        if isinstance(shape, TriangleMesh) and glass.intersection(shape.materials) and shape.volume < 0:
+        if isinstance(shape, TriangleMesh) and scene.glass.intersection(shape.materials) and shape.volume < 0:
             raise ValueError(f"shapes[{index}]: a mesh of glass is wound inside out; turn its faces round")
 
 

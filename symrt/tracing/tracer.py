@@ -125,7 +125,7 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
 
 
 def _branch(sent: Sent) -> Branch:
-    return Branch(sent.via, sent.hit, sent.weight, sent.factors)
+    return Branch(sent.via, sent.hit, sent.weight, sent.factors, sent.materials)
 
 
 def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:

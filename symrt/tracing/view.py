@@ -40,7 +40,7 @@ class Batch:
         for branch in self.branches:
             own = found[(first <= found) & (found < first + branch.size)] - first
             factors = {name: values[own] for name, values in branch.factors.items()}
-            branches.append(Branch(branch.via, branch.parent[own], branch.weight[own], factors))
+            branches.append(Branch(branch.via, branch.parent[own], branch.weight[own], factors, branch.materials))
             first += branch.size
 
         rays = Rays(self.rays.origin[:, found], self.rays.direction[:, found])

@@ -30,11 +30,22 @@ def load(path: str | Path) -> Scene:
     lights = {"point": point_light, "directional": directional_light}
     from_file = {"label_image": label_image, "weight_image": weight_image}
     computed = {"checker": checker, "banded_relief": banded_relief}
-    textures = file.get("textures", {})
+    textures = {
+        name: from_file[t["type"]](t, folder) if t["type"] in from_file else computed[t["type"]](t)
+        for name, t in file.get("textures", {}).items()
+    }
 
     def onwards(hit: Hit, to_eye: Vector) -> list[Ray]:
-        of = file["materials"].get(hit.material, {})
-        return glass_rays(hit, to_eye, of["index"]) if of.get("model") == "glass" else mirror_ray(hit, to_eye)
+        # Each glass bends for itself; all that mirror at a point send the same ray.
+        there = textures[hit.material](hit) if hit.material in textures else {hit.material: 1.0}
+        tables = {name: file["materials"][name] for name, weight in there.items() if weight > 0}
+        glass = {name: table["index"] for name, table in tables.items() if table.get("model") == "glass"}
+        rays = [
+            ray._replace(of=frozenset({name}))
+            for name, index in glass.items()
+            for ray in glass_rays(hit, to_eye, index)
+        ]
+        return rays + [ray._replace(of=frozenset(tables) - set(glass)) for ray in mirror_ray(hit, to_eye)]
 
     return Scene(
         camera=file["camera"],
@@ -43,10 +54,7 @@ def load(path: str | Path) -> Scene:
         ambient=[name for name, t in file["lights"].items() if t["type"] == "ambient"],
         unshadowed={name for name, t in file["lights"].items() if not t.get("shadows", True)},
         materials=file["materials"],
-        textures={
-            name: from_file[t["type"]](t, folder) if t["type"] in from_file else computed[t["type"]](t)
-            for name, t in textures.items()
-        },
+        textures=textures,
         depth=file.get("depth", 4),
         sending=(onwards,),
         lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"},

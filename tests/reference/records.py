@@ -34,11 +34,15 @@ class Illumination(NamedTuple):
 
 
 class Ray(NamedTuple):
-    """A ray that a hit sends on: the formula that multiplies what it brings, its unit direction, and its share."""
+    """A ray that a hit sends on: the formula that multiplies what it brings, its unit direction, and its share.
+
+    The formula is that of the hit's materials in `of`, or of all of them if it is None.
+    """
 
     via: str
     direction: Vector
     weight: float = 1.0
+    of: frozenset[str] | None = None
 
 
 class Sample(NamedTuple):

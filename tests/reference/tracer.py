@@ -42,7 +42,8 @@ def radiance(
 
     # What further rays bring; beyond the depth they are cut off.
     for ray in (ray for rule in scene.sending for ray in rule(hit, to_eye)):
-        meeting = {name: weight for name, weight in weights.items() if formulas(scene.materials[name], ray.via)}
+        senders = {name: weight for name, weight in weights.items() if ray.of is None or name in ray.of}
+        meeting = {name: weight for name, weight in senders.items() if formulas(scene.materials[name], ray.via)}
         if not meeting or carried * ray.weight < scene.least:
             continue
         if bounces > 0:

@@ -150,11 +150,20 @@ def scene_of_glass(**parts):
     )
 
 
-def test_formula_linear_form_and_pixel_are_one():
-    scene = scene_of_glass()
+def blended(scene):
+    """The same scene, its ball glass, a mirror and another glass, blended."""
+    materials = [*scene.materials, rt.Material("flint", "glass", index=1.7), rt.Material("chrome", "mirror")]
+    shapes = [replace(scene.shapes[0], material="cloth"), *scene.shapes[1:]]
+    texture = rt.BandedRelief("cloth", levels=(-3000, 0), blend=1400, materials=("ball", "chrome", "flint"))
+    return replace(scene, materials=materials, shapes=shapes, textures=[texture])
+
+
+@pytest.mark.parametrize("change", [lambda scene: scene, blended], ids=["glass", "glasses and a mirror blended"])
+def test_formula_linear_form_and_pixel_are_one(change):
+    scene = change(scene_of_glass())
     tree = rt.trace(scene)
     system = rt.collapse(tree)
-    palette = rt.Palette(rt.RGB, {"sun": 2.0, "sky": 0.3, "floor.diffuse": 0.6})
+    palette = rt.Palette(rt.RGB, {"sun": 2.0, "sky": 0.3, "floor.diffuse": 0.6, "chrome.mirror": 0.7})
     image, bent = rt.shade(system, palette).values, 0
     spectra = {symbol: float(palette[symbol][0]) for symbol in scene.symbols}
     for y in range(0, 16, 3):
@@ -167,7 +176,7 @@ def test_formula_linear_form_and_pixel_are_one():
                 assert error <= max(4, terms) * np.spacing(image[y, x, 0])
     assert bent > 4
     assert tree.rays["refraction"] > 0
-    assert "mirrors" not in tree.rays
+    assert ("mirrors" in tree.rays) == ("chrome.mirror" in scene.symbols)
 
 
 def test_tiles_have_the_same_bits():
@@ -239,9 +248,13 @@ def test_what_cannot_be_glass_is_refused_with_a_remedy(tmp_path):
     with pytest.raises(ValueError, match=r"shapes\[0\]: a mesh of glass must be closed, and its edge from \(") as said:
         rt.trace(opened)
     assert "\n" not in str(said.value)
-    blended = replace(scene.shapes[0], material="both")
-    with pytest.raises(ValueError, match=r"textures.both.materials: 'ball': .* a texture blends surfaces"):
-        replace(scene, shapes=[blended], textures=[rt.Checker("both", ("ball", "floor"), 0.5)])
+    both = rt.Checker("both", ("ball", "floor"), 0.5)
+    with pytest.raises(
+        ValueError, match=r"shapes\[1\].material = 'both': light goes through it, and a rectangle has no"
+    ):
+        replace(scene, shapes=[scene.shapes[0], replace(scene.shapes[1], material="both")], textures=[both])
+    with pytest.raises(ValueError, match=r"shapes\[0\]: a mesh of glass must be closed"):
+        rt.trace(replace(opened, shapes=[rt.Mesh("open.obj", "both"), scene.shapes[1]], textures=[both]))
 
 
 @pytest.mark.parametrize("outwards", [True, False])

@@ -62,6 +62,9 @@ class Sent:
         Cosines of each ray's own direction, where the formula names any.
     state
         Values that effects keep for each ray, where they change; the rest is inherited.
+    materials
+        The materials whose formula it is, by the names of their points: where a texture blends others with them, those
+        send no such ray.  None if it is that of all that have it.
     follow
         False if the rays carry too little to be followed: what they would bring is bounded in the tail.
     """
@@ -72,6 +75,7 @@ class Sent:
     weight: Float[np.ndarray, " ray"]
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
     state: Mapping[str, np.ndarray] = field(default_factory=dict)
+    materials: frozenset[str] | None = None
     follow: bool = True
 
 

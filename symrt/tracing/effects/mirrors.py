@@ -29,12 +29,14 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
 
     A smoothed normal may send the view into the surface; there is nothing to see there, so no ray is cast.
     """
-    # The hits with a material that mirrors.
+    # The hits with a material that mirrors; where a texture blends several, they share the ray.
     reflecting = np.zeros(view.slot.size, dtype=bool)
+    materials: set[str] = set()
     for part in points:
         model = stage.materials[part.material].model
         if "reflected" in model.sending and not model.refracts:
             reflecting[part.hit] = True
+            materials.add(part.material)
     hit = np.flatnonzero(reflecting)
 
     # The mirrored view, where it leaves the true surface.
@@ -45,7 +47,7 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     surface = view.surface
     place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
     rays = spawn(*place, normalise(direction), view.leaving[:, hit])
-    return (Sent("reflected", hit, rays, np.ones(hit.size)),)
+    return (Sent("reflected", hit, rays, np.ones(hit.size), materials=frozenset(materials)),)
 
 
 MIRRORS = Effect("mirrors", _call, onwards=_onwards)

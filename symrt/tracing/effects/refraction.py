@@ -46,8 +46,8 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
         record = stage.materials[part.material]
         if record.model.refracts:
             met = interface(*_seen(view, part.hit), _eta(view, part.hit, record.parameters["index"]))
-            found += _mirrored(view, part.hit, met) if "reflected" in record.model.sending else []
-            found += _bent(view, part.hit, met) if "transmitted" in record.model.sending else []
+            found += _mirrored(view, part, met) if "reflected" in record.model.sending else []
+            found += _bent(view, part, met) if "transmitted" in record.model.sending else []
     return tuple(found)
 
 
@@ -61,29 +61,30 @@ def _eta(view: View, hit: Which, index: float) -> PerRay:
     return np.where(outside, 1 / index, index)
 
 
-def _mirrored(view: View, hit: Which, met: Interface) -> tuple[Sent, ...]:
+def _mirrored(view: View, part: Points, met: Interface) -> tuple[Sent, ...]:
     """Rays along the mirrored view; a smoothed normal may send it into the surface, where there is nothing to see."""
-    normal, viewer = _seen(view, hit)
+    normal, viewer = _seen(view, part.hit)
     direction = reflect(viewer, normal)
-    good = (dot(direction, view.normal[:, hit]) > 0) & (met.mirrored > 0)
-    return _sent("reflected", view, hit, good, direction, met)
+    good = (dot(direction, view.normal[:, part.hit]) > 0) & (met.mirrored > 0)
+    return _sent("reflected", view, part, good, direction, met)
 
 
-def _bent(view: View, hit: Which, met: Interface) -> tuple[Sent, ...]:
+def _bent(view: View, part: Points, met: Interface) -> tuple[Sent, ...]:
     """Rays along the bent view, where any light goes through."""
-    good = (dot(met.bent, view.normal[:, hit]) < 0) & (met.through > 0)
-    return _sent("transmitted", view, hit, good, met.bent, met)
+    good = (dot(met.bent, view.normal[:, part.hit]) < 0) & (met.through > 0)
+    return _sent("transmitted", view, part, good, met.bent, met)
 
 
 def _sent(
     via: str,
     view: View,
-    hit: Which,
+    part: Points,
     good: Bool[np.ndarray, " hit"],
     direction: Float[np.ndarray, "3 hit"],
     met: Interface,
 ) -> tuple[Sent, ...]:
     """The rays of one way, those that carry enough to be followed and the others."""
+    hit, materials = part.hit, frozenset({part.material})
     share = met.mirrored if via == "reflected" else met.through
     before = view.state[CARRIED][hit] if CARRIED in view.state else np.ones(hit.size)
     carried = before * share
@@ -94,7 +95,7 @@ def _sent(
             factors = {"fresnel": met.mirrored[chosen], "transmission": met.through[chosen]}
             rays = _spawned(view, hit[chosen], direction[:, chosen])
             state: Mapping[str, np.ndarray] = {CARRIED: carried[chosen]} if CARRIED in view.state else {}
-            found.append(Sent(via, hit[chosen], rays, np.ones(chosen.size), factors, state, follow))
+            found.append(Sent(via, hit[chosen], rays, np.ones(chosen.size), factors, state, materials, follow))
     return tuple(found)
 
 
