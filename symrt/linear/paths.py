@@ -1,31 +1,20 @@
-"""Paths from the eye through a tree of rays: where they end, the reflectances they met, and numbers (step 2)."""
+"""Paths from the eye through a tree of rays, and their ends: lights, glowing hits, and rays cut off (step 2)."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt.linear.products import Product
 from symrt.linear.program import Program
 from symrt.reflection.polynomials import Monomial
-from symrt.tracing.raytree import Branch, Film, Level
+from symrt.tracing.raytree import Branch, Film, Level, Lit, Points, RayTree
 
 Index = Int[np.ndarray, " entry"]
-Product = Callable[[Monomial, Monomial], Monomial]
-"""The product of the reflectances on a path and of those it meets next, further from the eye."""
-
 VANISHED = np.finfo(float).tiny
 """A bound of products that underflowed to zero though none of their factors is zero."""
-
-
-def commuting(path: Monomial, met: Monomial) -> Monomial:
-    """The product of reflectances that commute, sorted so that their order does not matter."""
-    return tuple(sorted(path + met))
-
-
-def in_order(path: Monomial, met: Monomial) -> Monomial:
-    """The product in the order in which light meets the reflectances, from the light to the eye."""
-    return met + path
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +55,6 @@ NOWHERE = Paths(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.emp
 """No path at all."""
 
 
-def from_the_eye(level: Level, film: Film) -> Paths:
-    """The paths to the camera's hits: nothing met yet, each with its sample's weight."""
-    size = level.size
-    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),))
-
-
 @dataclass(frozen=True, eq=False)
 class Passing:
     """Paths continued along the rays of a branch by one term of a formula.
@@ -93,6 +76,121 @@ class Passing:
     path: Index
     value: Float[np.ndarray, " entry"]
     vanished: Bool[np.ndarray, " entry"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs of a path and of something at its end.
+
+    Parameters
+    ----------
+    which
+        Index of the thing in each pair.
+    product
+        Index into `products` of the reflectances that the path met.
+    value
+        The number that the path carries, times the thing's own.
+    """
+
+    which: Index
+    product: Index
+    pixel: Index
+    value: Float[np.ndarray, " entry"]
+    products: tuple[Monomial, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Lighted:
+    """Paths that end at points of one material, reached by one sample of a light: `Pairs.which` counts in `lit.point`.
+
+    Parameters
+    ----------
+    bounded
+        True if the sample counts in the tail only, because of an effect that was left out.
+    """
+
+    points: Points
+    lit: Lit
+    pairs: Pairs
+    bounded: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Glowing:
+    """Paths that end at hits which send light by themselves."""
+
+    light: str
+    pairs: Pairs
+
+
+@dataclass(frozen=True, eq=False)
+class Lost:
+    """Paths that went on by a product of reflectances, `met`, and were not followed."""
+
+    met: Monomial
+    pairs: Pairs
+
+
+def ends(program: Program, tree: RayTree, product: Product) -> Iterator[Lighted | Glowing | Lost]:
+    """The ends of all paths, level by level from the eye."""
+    paths = from_the_eye(tree.levels[0], tree.film) if tree.levels else NOWHERE
+    for level, below in zip_longest(tree.levels, tree.levels[1:]):
+        # Light that reaches the eye from this level, and light of rays that were cut off there.
+        pixel = tree.film.pixel[level.sample]
+        yield from _lights(level, paths, pixel)
+        for branch in level.cut:
+            for part in passing(program, level, branch, paths):
+                value = np.where(part.vanished, VANISHED, np.abs(part.value))
+                yield _lost(part, value, paths, pixel[branch.parent])
+        if below is None:
+            return
+
+        # The paths on to the level below; those whose numbers underflowed to zero on the way are lost.
+        parts = [list(passing(program, level, branch, paths)) for branch in below.branches]
+        for branch, of_branch in zip(below.branches, parts, strict=True):
+            for part in of_branch:
+                if part.vanished.any():
+                    yield _lost(part, np.where(part.vanished, VANISHED, 0.0), paths, pixel[branch.parent])
+        paths = continued(below, parts, paths, product)
+
+
+def _lights(level: Level, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Iterator[Lighted | Glowing]:
+    """Paths that end at a level where a light reaches a point, or a hit glows."""
+    for points in level.points:
+        for lit in points.lit:
+            yield Lighted(points, lit, _lighted(points, lit, paths, pixel), bounded=False)
+        for lit in points.cut:
+            yield Lighted(points, lit, _lighted(points, lit, paths, pixel), bounded=True)
+    for emitted in level.emitted:
+        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel))
+
+
+def _lighted(points: Points, lit: Lit, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Pairs:
+    """Pairs of a path and of a point that a light's sample reaches."""
+    arriving = points.weight[lit.point] * lit.irradiance * lit.visible
+    return _pairs(points.hit[lit.point], arriving, paths, pixel)
+
+
+def _pairs(
+    hit: Int[np.ndarray, " thing"], value: Float[np.ndarray, " thing"], paths: Paths, pixel: Int[np.ndarray, " hit"]
+) -> Pairs:
+    """Pairs of a path and of a thing at the hit where it ends."""
+    which, path = paths.to(hit)
+    carried = paths.coefficient[path] * value[which]
+    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products)
+
+
+def _lost(part: Passing, value: Float[np.ndarray, " entry"], paths: Paths, pixel: Int[np.ndarray, " ray"]) -> Lost:
+    """Paths that were continued along a branch, whose pixels are given by ray, and end there."""
+    some = np.flatnonzero(value)
+    pairs = Pairs(part.ray[some], paths.product[part.path[some]], pixel[part.ray[some]], value[some], paths.products)
+    return Lost(part.met, pairs)
+
+
+def from_the_eye(level: Level, film: Film) -> Paths:
+    """The paths to the camera's hits: nothing met yet, each with its sample's weight."""
+    size = level.size
+    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),))
 
 
 def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Iterator[Passing]:

@@ -5,19 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symrt.linear.bounds import largest, may_subtract
 from symrt.linear.compiled import Compiled, compile_formula
-from symrt.linear.corners import corners
+from symrt.linear.limits import Limits, Materials, limits, parameter_of
 from symrt.nodes import Nodes
 from symrt.reflection.models import INDEX, LIT
 from symrt.reflection.nodes import choose_nodes
-from symrt.symbols import Surface, named
-from symrt.system import Shares
+from symrt.symbols import Surface
 from symrt.tracing.raytree import MaterialRecord
 
 Values = Mapping[str, float | int]
 Free = Sequence[str] | Mapping[str, tuple[float | int, float | int]]
-Materials = Mapping[str, MaterialRecord]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,23 +27,14 @@ class Program:
         Model and parameters of each material, as text.
     nodes
         Nodes of the parameters that stayed free.
-    brightest
-        An upper bound, over all materials, of each formula that lights meet: ``direct`` and ``ambient``.
-    sent
-        For each material of the scene, sums that bound the share that it sends on of what further rays bring.
-    lit
-        The materials that lights shine on.
-    subtracting
-        The materials some formula of which may have a term that takes away.
+    limits
+        Bounds of what the materials send on.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
     signatures: Mapping[str, str]
     nodes: Mapping[str, Nodes]
-    brightest: Mapping[str, float]
-    sent: Mapping[str, tuple[Shares, ...]]
-    lit: frozenset[str]
-    subtracting: tuple[str, ...]
+    limits: Limits
 
 
 def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
@@ -69,18 +57,7 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
-        brightest={field: _brightest(field, materials, nodes) for field in LIT},
-        sent=_sent(materials, nodes),
-        lit=frozenset(Surface.of(n).place for n, m in materials.items() if any(m.model.formulas[f] != 0 for f in LIT)),
-        subtracting=tuple(
-            sorted(
-                {
-                    Surface.of(name).material
-                    for name, record in materials.items()
-                    if any(may_subtract(f, _ranges(name, record, nodes)) for f in record.model.formulas.values())
-                }
-            )
-        ),
+        limits=limits(materials, nodes),
     )
 
 
@@ -94,19 +71,14 @@ def with_values(materials: Materials, values: Values) -> Materials:
     return {
         name: replace(
             record,
-            parameters={key: float(values.get(_parameter(name, key), v)) for key, v in record.parameters.items()},
+            parameters={key: float(values.get(parameter_of(name, key), v)) for key, v in record.parameters.items()},
         )
         for name, record in materials.items()
     }
 
 
-def _parameter(surface: str, key: str) -> str:
-    """The name of a surface's parameter: its material's, ``ice.exponent`` for the alternative ``sea>ice``."""
-    return named(Surface.of(surface).material, key)
-
-
 def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, object]) -> None:
-    known = {_parameter(name, key) for name, record in materials.items() for key in record.parameters}
+    known = {parameter_of(name, key) for name, record in materials.items() for key in record.parameters}
     if unknown := sorted(set(names) - known):
         there = ", ".join(sorted(known)) or "none"
         raise ValueError(f"no material has the parameter {', '.join(unknown)}; the scene's parameters: {there}")
@@ -114,7 +86,7 @@ def _check_known(materials: Materials, names: Sequence[str] | Mapping[str, objec
 
 def _check_not_traced(materials: Materials, names: Sequence[str] | Mapping[str, object]) -> None:
     """Refuse to change what rays were bent by."""
-    bent = {_parameter(name, INDEX) for name, record in materials.items() if record.model.refracts}
+    bent = {parameter_of(name, INDEX) for name, record in materials.items() if record.model.refracts}
     if traced := sorted(bent.intersection(names)):
         raise ValueError(f"{', '.join(traced)}: rays were bent by it; trace the scene again with another index")
 
@@ -124,7 +96,7 @@ def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
     _check_not_traced(materials, free)
     if not isinstance(free, Mapping):
         now = {
-            _parameter(name, key): value
+            parameter_of(name, key): value
             for name, record in materials.items()
             for key, value in record.parameters.items()
         }
@@ -132,35 +104,8 @@ def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
     return {name: choose_nodes(name, low, high) for name, (low, high) in free.items()}
 
 
-def _brightest(field: str, materials: Materials, nodes: Mapping[str, Nodes]) -> float:
-    """The most that a point sends on, its alternatives added: sea and sea>ice are evaluated at the same points."""
-    bounds: dict[str, float] = {}
-    for name, record in materials.items():
-        bound = largest(record.model.formulas[field], _ranges(name, record, nodes))
-        place = Surface.of(name).place
-        bounds[place] = bounds.get(place, 0.0) + bound
-    return max(bounds.values(), default=0.0)
-
-
-def _sent(materials: Materials, nodes: Mapping[str, Nodes]) -> dict[str, tuple[Shares, ...]]:
-    """Bounds of what each material sends on by all its formulas together, its alternatives added."""
-    found: dict[str, tuple[Shares, ...]] = {}
-    for name, record in materials.items():
-        sums = corners(record.model.sent_on, _ranges(name, record, nodes))
-        own = tuple(tuple((tuple(named(name, c) for c in met), most) for met, most in shares) for shares in sums)
-        place = Surface.of(name).place
-        before = found.get(place, ())
-        found[place] = tuple(one + other for one in before for other in own) if before and own else before or own
-    return found
-
-
-def _ranges(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, tuple[float, float]]:
-    ranges = {key: (value, value) for key, value in record.parameters.items()}
-    return ranges | {k: (nodes[n].low, nodes[n].high) for k in ranges if (n := _parameter(name, k)) in nodes}
-
-
 def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, Compiled]:
-    free = {key: nodes[n] for key in record.parameters if (n := _parameter(name, key)) in nodes}
+    free = {key: nodes[n] for key in record.parameters if (n := parameter_of(name, key)) in nodes}
     compiled = {
         field: compile_formula(formula, name, record.parameters, free)
         for field, formula in record.model.formulas.items()
