@@ -92,7 +92,11 @@ Smoothness = Annotated[float, typer.Option("--smoothness", help="Pixels over whi
 Of = Annotated[str | None, typer.Option("--of", help="Only pixels that this material or light contributes to.")]
 Without = Annotated[
     list[str] | None,
-    typer.Option("--without", help="An effect to leave out, such as shadows; what is lost is bounded. Repeatable."),
+    typer.Option(
+        "--without",
+        metavar="EFFECT",
+        help="An effect to leave out, such as shadows; what is lost is bounded. Repeatable.",
+    ),
 ]
 Weights = Annotated[
     Path | None,

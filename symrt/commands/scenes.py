@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from pathlib import Path
 from textwrap import shorten
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
 from symrt.show.writing import json_text
 
+if TYPE_CHECKING:
+    from symrt.tracing import Planned
+
 
 def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
     """The effects that a scene calls for, with their reasons.
@@ -21,9 +24,17 @@ def plan(scene: option.SceneFile, without: option.Without = None, as_json: optio
     Example: symrt plan globe
     """
     found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False))
-    keys = ("effect", "state", "because", "rays at most")
-    record = [dict(zip(keys, effect.row, strict=True)) | {"simulated": effect.simulated} for effect in found.effects]
-    say(json_text(record) if as_json else str(found))
+    if as_json:
+        say(json_text({"effects": [_record(effect) for effect in found.effects], "remarks": list(found.remarks)}))
+    else:
+        say(str(found))
+
+
+def _record(effect: "Planned") -> dict[str, Any]:
+    """An effect of a plan for a program to read."""
+    called_by, because = list(effect.called_by), effect.why
+    of = {"effect": effect.name, "state": effect.state, "simulated": effect.simulated}
+    return of | {"called by": called_by, "because": because, "rays at most": effect.rays}
 
 
 def probe(

@@ -1,10 +1,14 @@
-"""The plan of a trace: each effect in one of three states, from not called for to simulated (before step 1)."""
+"""The plan of a trace: each effect in one of three states, from not called for to simulated (before step 1).
+
+A plan shows those effects that something calls for, and names the others in a line: the reasons why nothing calls for
+them are in the record of each.
+"""
 
 from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from symrt.table import html_table, text_table
+from symrt.table import html_table, sentences, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
@@ -46,13 +50,10 @@ class Planned:
     @property
     def row(self) -> tuple[str, str, str, str]:
         """The effect as a row of the plan's table."""
-        if self.simulated:
-            return self.name, self.state, ", ".join(self.called_by), self.rays
-        called = f"{', '.join(self.called_by)}, but {self.why}" if self.called_by else self.why
-        return self.name, self.state, called, "none"
+        return self.name, self.state, ", ".join(self.called_by), self.rays
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plan:
     """All effects that symrt knows, each in its state; ``"mirrors" in plan`` is true if mirrors are simulated."""
 
@@ -73,9 +74,25 @@ class Plan:
         """Names of the effects that something calls for, but that are left out and bounded."""
         return frozenset(effect.name for effect in self.effects if effect.state == "left out, bounded")
 
+    @property
+    def called_for(self) -> tuple[Planned, ...]:
+        """The effects that something in the scene calls for, simulated or left out."""
+        return tuple(effect for effect in self.effects if effect.called_by)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The sentences below the plan's table."""
+        left_out = (f"{effect.name}: {effect.why}" for effect in self.called_for if not effect.simulated)
+        others = ", ".join(effect.name for effect in self.effects if not effect.called_by)
+        return (*left_out, *((f"not called for: {others}",) if others else ()), *self.remarks)
+
     def __str__(self) -> str:
-        return "\n".join((text_table(HEAD, [effect.row for effect in self.effects]), *self.remarks))
+        rows = [effect.row for effect in self.called_for]
+        return "\n".join(([text_table(HEAD, rows)] if rows else []) + [sentences(self.notes)])
+
+    def __repr__(self) -> str:
+        return str(self)
 
     def _repr_html_(self) -> str:
-        remarks = "".join(f"<p>{escape(remark)}</p>" for remark in self.remarks)
-        return html_table(HEAD, [effect.row for effect in self.effects]) + remarks
+        rows = [effect.row for effect in self.called_for]
+        return (html_table(HEAD, rows) if rows else "") + "".join(f"<p>{escape(note)}</p>" for note in self.notes)

@@ -38,15 +38,9 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     --------
     >>> from symrt.scene import load_scene, shipped_scene
     >>> print(plan(load_scene(shipped_scene("first"))))
-    effect                         called for by                    rays at most
-    shadows        simulated       sun                              1 a hit
-    penumbrae      not called for  no light has an area             none
-    mirrors        not called for  no material mirrors              none
-    refraction     not called for  no material is of glass          none
-    caustics       not called for  no material is of glass          none
-    ambient        not called for  no light is ambient              none
-    textures       not called for  no surface has one               none
-    supersampling  not called for  the pixel's centre is asked for  none
+    effect              called for by  rays at most
+    shadows  simulated  sun            1 a hit
+    not called for: penumbrae, mirrors, ...
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
     force, alternatives = force or {}, alternatives or {}

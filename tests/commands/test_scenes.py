@@ -1,8 +1,10 @@
 """Commands on a scene say what the library says: plan, probe, render, formula, shade."""
 
 import json
+import re
 
 import numpy as np
+from scenes_for_tests import SCENES
 
 import symrt as rt
 
@@ -13,8 +15,23 @@ def test_plan_prints_the_librarys_table_and_its_json(run):
     plan = rt.plan(rt.load_scene("globe"))
     assert run("plan", "globe") == (0, f"{plan}\n", "")
     record = json.loads(run("plan", "globe", "--json")[1])
-    assert [one["effect"] for one in record] == [effect.name for effect in plan.effects]
-    assert [one["simulated"] for one in record] == [effect.simulated for effect in plan.effects]
+    assert [one["effect"] for one in record["effects"]] == [effect.name for effect in plan.effects]
+    assert [one["simulated"] for one in record["effects"]] == [effect.simulated for effect in plan.effects]
+    assert [one["because"] for one in record["effects"] if not one["simulated"]] == [
+        effect.why for effect in plan.effects if not effect.simulated
+    ]
+
+
+def test_the_json_of_a_plan_has_its_remarks(run, tmp_path):
+    text = (SCENES / "first.toml").read_text()
+    (tmp_path / "inside.toml").write_text(re.sub(r"position = .*", "position = [0.0, 1.0, 0.5]", text, count=1))
+    record = json.loads(run("plan", "inside.toml", "--json")[1])
+    assert record["remarks"] == list(rt.plan(rt.load_scene(tmp_path / "inside.toml")).remarks)
+    assert "The camera is inside shapes[0]" in record["remarks"][0]
+
+
+def test_the_help_says_what_follows_without(run):
+    assert "--without EFFECT" in " ".join(run("plan", "--help")[1].split())
 
 
 def test_probe_gives_the_librarys_shares_as_json(run):
@@ -81,7 +98,8 @@ def test_a_pixel_is_named_by_place_or_by_words(run):
 
 
 def test_an_effect_is_left_out_on_request_and_the_picture_says_what_that_costs(run):
-    record = {one["effect"]: one for one in json.loads(run("plan", "spheres", "--without", "mirrors", "--json")[1])}
+    record = json.loads(run("plan", "spheres", "--without", "mirrors", "--json")[1])
+    record = {one["effect"]: one for one in record["effects"]}
     assert (record["mirrors"]["state"], record["mirrors"]["simulated"]) == ("left out, bounded", False)
     assert run("render", "spheres", "--size", "16", "--without", "mirrors", "--out", "flat.npz")[0] == 0
     flat = rt.load_system("flat.npz")

@@ -365,6 +365,15 @@ def test_the_plan_names_what_calls_for_each_effect():
     assert SCENES.exists()
 
 
+def test_a_reader_of_a_plan_sees_no_word_of_what_nothing_calls_for():
+    chosen = rt.plan(mirrors(model=["lambert", "mirror"]))
+    table, _, rest = str(chosen).partition("not called for: ")
+    for effect in chosen.effects:
+        assert (effect.name in table) == bool(effect.called_by)
+        assert (effect.name in rest.split(", ")) == (not effect.called_by)
+        assert effect.called_by or effect.why not in str(chosen)
+
+
 def furnace(shape, light=(0, 0, 0), depth=6):
     """A closed shape of one material, seen from inside, with a lamp inside."""
     return rt.Scene(
@@ -417,7 +426,7 @@ def test_a_lamp_inside_is_bounded_by_the_nearest_wall(shape, nearest):
 def test_the_plan_says_what_stands_inside_a_closed_shape():
     inside = rt.plan(furnace(rt.Sphere((0, 0, 0), 2, "wall")))
     assert inside.remarks == ("The camera is inside shapes[0], a sphere: it sees what is inside, and its inner side.",)
-    assert inside.remarks[0] in str(inside)
+    assert inside.remarks[0] in " ".join(str(inside).split())
     assert inside.remarks[0] in inside._repr_html_()
     lamp = rt.plan(furnace(rt.Box((9, 0, 0), (2, 2, 2), "wall"), light=(9, 0, 0)))
     assert lamp.remarks == ("The light lamp is inside shapes[0], a box: it does not shine outside of it.",)
