@@ -108,6 +108,10 @@ class Hits:
     shape: Int[np.ndarray, " ray"]
     primitive: Int[np.ndarray, " ray"]
 
+    def of(self, some: Int[np.ndarray, " some"]) -> "Hits":
+        """Those of some rays."""
+        return Hits(self.distance[some], self.shape[some], self.primitive[some])
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -62,26 +63,29 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
     """
-    alternatives = _checked_alternatives(scene, alternatives or {})
+    # Read the files of shapes and textures.
+    loaded = [load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes]
+    textures = {texture.name: load_texture(texture, scene.folder) for texture in scene.textures}
 
-    # Read meshes, and move everything to the camera.
+    # Number the materials of the shapes, and bind each model to its material.
+    _check_closed(scene, loaded)
+    slots, first = _numbered(loaded)
+    alternatives = _checked_alternatives(scene, alternatives or {})
+    materials, sending = _materials(scene, alternatives), _sending(scene, alternatives)
+
+    # Move everything to the camera.
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
-    loaded = [load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes]
-    _check_closed(scene, loaded)
     shapes = gathered([translate(shape, np.array(by)) for shape in loaded])
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
-
-    # Number the materials of the shapes, and bind each model to its material.
-    slots, first = _numbered(shapes)
     return Stage(
         camera=camera,
         shapes=shapes,
         slots=slots,
         first_slot=first,
-        textures={texture.name: load_texture(texture, scene.folder) for texture in scene.textures},
-        materials=_materials(scene, alternatives),
+        textures=textures,
+        materials=materials,
         alternatives=alternatives,
         lights=tuple(sorted((light for light in lights if light.via == "direct"), key=lambda light: light.name))
         + tuple(light for light in lights if light.via == "ambient"),
@@ -90,7 +94,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
             for light in lights
         },
         depth=scene.depth,
-        sending=_sending(scene, alternatives),
+        sending=sending,
     )
 
 
@@ -182,7 +186,7 @@ def _checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternati
     return {material: tuple(dict.fromkeys(others)) for material, others in alternatives.items()}
 
 
-def _numbered(shapes: Shapes) -> tuple[tuple[str, ...], np.ndarray]:
+def _numbered(shapes: Sequence[Any]) -> tuple[tuple[str, ...], np.ndarray]:
     """The slots of all shapes, one shape after the other, and the first slot of each."""
     slots: list[str] = []
     first = []

@@ -13,11 +13,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Int
 
-from symrt.errors import require
 from symrt.geometry.box import Box
 from symrt.geometry.meeting import leaving_of, nearest, surfaces
-from symrt.geometry.rays import Rays
+from symrt.geometry.rays import Hits, Rays
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
@@ -28,7 +28,7 @@ from symrt.tracing.planner import AtWork, at_work, plan
 from symrt.tracing.points import points
 from symrt.tracing.raytree import Branch, Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
-from symrt.tracing.view import Batch, look, select_hits
+from symrt.tracing.view import Batch, look
 
 Bounds = tuple[int, int, int, int]
 
@@ -57,9 +57,8 @@ def trace(
     >>> tree.width, tree.height
     (8, 8)
     """
-    require("scene", scene, Scene, "a Scene, load_scene(path)")
-    stage = make_stage(scene, alternatives)
-    return trace_window(stage, plan(scene, alternatives, force=force), window)
+    chosen = plan(scene, alternatives, force=force)
+    return trace_window(make_stage(scene, alternatives), chosen, window)
 
 
 def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> RayTree:
@@ -97,12 +96,11 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
         # Where the rays of all branches end; those that meet nothing are dropped.
         hits = nearest(stage.shapes, batch.rays)
         found = np.flatnonzero(hits.shape >= 0)
-        batch, hits = batch.of(found), select_hits(hits, found)
+        batch, hits = batch.of(found), hits.of(found)
 
         # The surfaces there, and the light that reaches them.
-        surface = surfaces(stage.shapes, batch.rays, hits)
-        slots, leaving = _slots_of(stage, hits.shape, hits.primitive), leaving_of(stage.shapes, hits)
-        view = look(surface, slots, batch, leaving)
+        surface, leaving = surfaces(stage.shapes, batch.rays, hits), leaving_of(stage.shapes, hits)
+        view = look(surface, _slots_of(stage, hits), batch, leaving)
         here = points(stage, effects, view, count)
         emitted = tuple(one for effect in effects.simulated if effect.emitted for one in effect.emitted(stage, view))
 
@@ -151,13 +149,13 @@ def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
     return Batch(rays, sample, tuple(map(_branch, sent)), state)
 
 
-def _slots_of(stage: Stage, shape: np.ndarray, primitive: np.ndarray) -> np.ndarray:
+def _slots_of(stage: Stage, hits: Hits) -> Int[np.ndarray, " hit"]:
     """The slot of each hit, from its shape and, on a mesh or a box, from its face."""
-    slot = stage.first_slot[shape]
+    slot = stage.first_slot[hits.shape]
     for index, mesh in enumerate(stage.shapes):
         if isinstance(mesh, TriangleMesh | Box) and mesh.face_material is not None:
-            own = shape == index
-            slot[own] += mesh.face_material[primitive[own]]
+            own = hits.shape == index
+            slot[own] += mesh.face_material[hits.primitive[own]]
     return slot
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int, Shaped
 
 from symrt.arrays import Vectors, dot
-from symrt.geometry.rays import Hits, Rays, Surface
+from symrt.geometry.rays import Rays, Surface
 from symrt.tracing.raytree import Branch
 
 Which = Int[np.ndarray, " hit"]
@@ -90,8 +90,3 @@ def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving:
 
 def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:
     return np.where(dot(normal, towards) < 0, -normal, normal)
-
-
-def select_hits(hits: Hits, which: Which) -> Hits:
-    """Some of the hits."""
-    return Hits(hits.distance[which], hits.shape[which], hits.primitive[which])
