@@ -70,8 +70,8 @@ class Image(NamedTuple):
         return self._replace(pixels=self.pixels[chosen], part=part, dark=self.dark[chosen], apart=self.apart[chosen])
 
 
-class Line(NamedTuple):
-    """What the other parameter may be on one line, why, and what is outside."""
+class Crossing(NamedTuple):
+    """One line across the plane: the values that the other parameter may have there, why, and what is outside."""
 
     pieces: list[Piece]
     reasons: tuple[tuple[Reason, Reason], ...]
@@ -108,7 +108,7 @@ def without_unfixable(plane: Plane, image: Image, values: Float[np.ndarray, " li
     return image.only(~hopeless)._replace(unfixable=image.pixels[hopeless])
 
 
-def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
+def line_at(plane: Plane, image: Image, value: float, budget: int) -> Crossing:
     """The values that the other parameter may have with the one at a value, if `budget` pixels may be outside."""
     # The line, and what the gamut allows on it: above, and below where black must be kept.
     painted, within = moved(image.part, plane.palette, plane.one, value), plane.within[1]
@@ -131,7 +131,7 @@ def line_at(plane: Plane, image: Image, value: float, budget: int) -> Line:
     found_here = reduce(shared, limiting)
     why = _why(plane, image, line)
     always = image.objects - len(image.pixels) - len(image.outside) - len(image.unfixable)
-    return Line(
+    return Crossing(
         found_here,
         tuple((why(p.below, p.low, least), why(p.above, p.high, most)) for p in found_here),
         curve(spans, always, image.objects),

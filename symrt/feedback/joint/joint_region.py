@@ -19,7 +19,7 @@ from symrt.feedback.along import along
 from symrt.feedback.asking import drawn
 from symrt.feedback.joint.areas import THIN, between_lines, lengths_within
 from symrt.feedback.joint.boxes import SafeBox
-from symrt.feedback.joint.crossing import Image, Line, Plane, image, line_at, spans_of, without_unfixable
+from symrt.feedback.joint.crossing import Crossing, Image, Plane, image, line_at, spans_of, without_unfixable
 from symrt.feedback.joint.freedom import safe_box
 from symrt.feedback.joint.pairs import JointRegion, given_value
 from symrt.feedback.limits import limits
@@ -130,27 +130,18 @@ def joint_region(  # noqa: PLR0913  # a public verb names its options
     across = np.linspace(*ranges[1], steps)
 
     # The lines: those, and more where the region ends and where its edge bends.
-    bar = tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress)
-    with bar:
-
-        def draw(value: float) -> Line:
-            bar.update()
-            return line_at(plane, seen, value, budget=budget)
-
-        drawn_lines = _to_its_ends(draw, values)
-        hidden = _where_it_bends(draw, drawn_lines, separate, most=steps)
+    lines, hidden = _drawn(plane, seen, values, budget, separate, steps, progress)
 
     # The answer, line by line.
-    values, lines = np.array(sorted(drawn_lines)), [drawn_lines[value] for value in sorted(drawn_lines)]
     found = JointRegion(
         one=one,
         other=other,
         within=ranges,
-        values=values,
-        intervals=tuple(tuple((piece.low, piece.high) for piece in line.pieces) for line in lines),
-        reasons=tuple(line.reasons for line in lines),
+        values=np.array(list(lines)),
+        intervals=tuple(tuple((piece.low, piece.high) for piece in line.pieces) for line in lines.values()),
+        reasons=tuple(line.reasons for line in lines.values()),
         across=across,
-        outside=np.array([line.curve.outside(across) for line in lines]),
+        outside=np.array([line.curve.outside(across) for line in lines.values()]),
         separate=separate,
         hidden=hidden[0],
         separate_inside=None,
@@ -202,7 +193,29 @@ def _values(plane: Plane, steps: int, alone: Feasible, box: SafeBox | None, seen
     return values[(low <= values) & (values <= high)]
 
 
-def _to_its_ends(draw: Callable[[float], Line], values: Float[np.ndarray, " line"]) -> dict[float, Line]:
+def _drawn(  # the state of one question, taken apart
+    plane: Plane,
+    seen: Image,
+    values: Float[np.ndarray, " line"],
+    budget: int,
+    separate: tuple[Feasible, Feasible],
+    steps: int,
+    progress: bool,
+) -> tuple[dict[float, Crossing], tuple[float, float]]:
+    """The lines by the one's value, ascending, and the areas that may hide between them."""
+    bar = tqdm(total=len(values), desc="joint region", unit="line", delay=1, leave=False, disable=not progress)
+    with bar:
+
+        def draw(value: float) -> Crossing:
+            bar.update()
+            return line_at(plane, seen, value, budget=budget)
+
+        lines = _to_its_ends(draw, values)
+        hidden = _where_it_bends(draw, lines, separate, most=steps)
+    return {value: lines[value] for value in sorted(lines)}, hidden
+
+
+def _to_its_ends(draw: Callable[[float], Crossing], values: Float[np.ndarray, " line"]) -> dict[float, Crossing]:
     """The lines at some values, and lines between one that holds pairs and one that holds none until they are close.
 
     So a sum over the lines ends where the region does, not half a step beyond.
@@ -219,7 +232,7 @@ def _to_its_ends(draw: Callable[[float], Line], values: Float[np.ndarray, " line
 
 
 def _where_it_bends(
-    draw: Callable[[float], Line], lines: dict[float, Line], separate: tuple[Feasible, Feasible], most: int
+    draw: Callable[[float], Crossing], lines: dict[float, Crossing], separate: tuple[Feasible, Feasible], most: int
 ) -> tuple[float, float]:
     """Draw lines in the gaps that may hide most of the area, at most `most`; the areas that may be hidden still.
 
