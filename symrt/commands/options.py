@@ -98,6 +98,14 @@ Without = Annotated[
         help="An effect to leave out, such as shadows; what is lost is bounded. Repeatable.",
     ),
 ]
+Thrift = Annotated[
+    float | None,
+    typer.Option(
+        "--tolerance",
+        metavar="SHARE",
+        help="Rays that carry less of their sample's light are not followed, 0.001; what is lost is bounded.",
+    ),
+]
 Weights = Annotated[
     Path | None,
     typer.Option("--weights", help="What each pixel counts: a grey picture, white 1; black is left out (.png)."),

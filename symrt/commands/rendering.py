@@ -33,6 +33,7 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
         typer.Option(metavar="FROM:TO", help="Trace also what a blend of two unlike materials needs; repeatable."),
     ] = None,
     without: option.Without = None,
+    tolerance: option.Thrift = None,
     workers: Annotated[
         str | None, typer.Option(help="Threads, or the word processes; the result does not depend on it.")
     ] = None,
@@ -54,7 +55,7 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     # Words that cannot be obeyed are refused before any work.
     how: dict[str, Any] = {"alternatives": pairs_of(alternative or ()), "force": dict.fromkeys(without or (), False)}
-    how |= {"workers": _workers(workers)}
+    how |= {"tolerance": tolerance, "workers": _workers(workers)}
     numbers = None if part is None else _part(part)
     if numbers is not None and out is None and not dry_run:
         raise ValueError(f"--part {part}: name the folder that the parts go to, such as --out parts")

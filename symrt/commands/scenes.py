@@ -18,12 +18,17 @@ if TYPE_CHECKING:
     from symrt.tracing import Planned
 
 
-def plan(scene: option.SceneFile, without: option.Without = None, as_json: option.Json = False) -> None:
+def plan(
+    scene: option.SceneFile,
+    without: option.Without = None,
+    tolerance: option.Thrift = None,
+    as_json: option.Json = False,
+) -> None:
     """The effects that a scene calls for, with their reasons.
 
     Example: symrt plan globe
     """
-    found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False))
+    found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False), tolerance=tolerance)
     if as_json:
         say(json_text({"effects": [_record(effect) for effect in found.effects], "remarks": list(found.remarks)}))
     else:

@@ -60,6 +60,7 @@ def estimate(  # a public verb names its options
     free: Free = (),
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
+    tolerance: float | int | None = None,
     workers: Workers = None,
 ) -> Estimate:
     """Estimate the memory and the time of a render, by rendering the picture coarsely.
@@ -68,7 +69,7 @@ def estimate(  # a public verb names its options
     ----------
     part
         Of a render in parts, as for `render_part`.
-    values, free, alternatives, force, workers
+    values, free, alternatives, force, tolerance, workers
         As in `render`.
 
     Examples
@@ -77,7 +78,7 @@ def estimate(  # a public verb names its options
     >>> estimate(load_scene(shipped_scene("first"))).pixels
     65536
     """
-    job = make_job(scene, values, free, alternatives, force)
+    job = make_job(scene, values, free, alternatives, force, tolerance)
     return of_job(job, workers, None if part is None else rows_of(part, job.stage.camera.height))
 
 

@@ -74,6 +74,7 @@ def make_job(
     free: Free = (),
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
+    tolerance: float | int | None = None,
 ) -> Job:
     """Read a scene's files, plan its trace, and compile its models.
 
@@ -85,5 +86,5 @@ def make_job(
     LinearSystem(20 × 20 pixels, 2 interactions, 800 coefficients, 2.0 a pixel)
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
-    stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force)
+    stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force, tolerance=tolerance)
     return Job(stage, chosen, make_program(stage.materials, values, free))

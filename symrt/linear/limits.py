@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from symrt.linear.bounds import largest, may_subtract
-from symrt.linear.corners import corners
 from symrt.nodes import Nodes
+from symrt.reflection.bounds import largest, may_subtract
+from symrt.reflection.corners import corners
 from symrt.reflection.models import LIT
 from symrt.symbols import Surface, named
 from symrt.system import Shares

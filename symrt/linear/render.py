@@ -30,6 +30,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     free: Free = (),
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
+    tolerance: float | int | None = None,
     executor: Executor | None = None,
     workers: Workers = None,
     save: str | Path | None = None,
@@ -42,7 +43,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     ----------
     values, free
         As in `collapse`.
-    alternatives, force
+    alternatives, force, tolerance
         As in `trace`.
     executor
         Any `concurrent.futures.Executor`, such as that of a cluster; its workers are sent the scene with its files
@@ -66,7 +67,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     check(workers)
-    job = make_job(scene, values, free, alternatives, force)
+    job = make_job(scene, values, free, alternatives, force, tolerance)
     check_memory(job, workers, memory)
     windows = job.windows()
     if save is not None:

@@ -12,6 +12,9 @@ from symrt.table import html_table, sentences, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 
+TOLERANCE = 1e-3
+"""Share of a film sample's light below which rays are not followed, unless told otherwise."""
+
 Status = Literal["not called for", "simulated", "left out, bounded", "left out, not bounded"]
 
 
@@ -60,6 +63,8 @@ class Plan:
     effects: tuple[Planned, ...]
     remarks: tuple[str, ...] = ()
     """Sentences about the scene that may surprise whoever made it, such as a camera inside a ball."""
+    tolerance: float = TOLERANCE
+    """Share of its film sample's light that a ray must carry to be followed; what is not followed is bounded."""
 
     def __contains__(self, name: str) -> bool:
         return any(effect.simulated for effect in self.effects if effect.name == name)

@@ -6,19 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from symrt.errors import refuse, require, suggestion
+from symrt.errors import refuse, require, shown, suggestion
 from symrt.geometry.rays import encloses
 from symrt.scene.records import Scene
 from symrt.tracing import effects
-from symrt.tracing.effects.effect import Call, Effect
-from symrt.tracing.plan import Plan, Planned, Status
+from symrt.tracing.effects.effect import CARRIED, Call, Effect
+from symrt.tracing.plan import TOLERANCE, Plan, Planned, Status
 from symrt.tracing.stage import Alternatives
 
 MOST_HITS = 16
 """Hits that a sample is expected to have: rays that branch at each of many levels mostly leave the scene before."""
 
 
-def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mapping[str, bool] | None = None) -> Plan:
+def plan(
+    scene: Scene,
+    alternatives: Alternatives | None = None,
+    *,
+    force: Mapping[str, bool] | None = None,
+    tolerance: float | int | None = None,
+) -> Plan:
     """Plan the trace of a scene: the effects it calls for, and why the others are not simulated.
 
     Parameters
@@ -28,11 +34,14 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     force
         Effects to leave out, ``{"shadows": False}``: the error without them is bounded in the system's tail.  True
         insists on an effect, and is refused where it is not simulated.
+    tolerance
+        Rays are not followed where they carry less than this share of their film sample's light, 0.001 if not given;
+        what they would bring is bounded in the tail.  With 0 all are followed, down to the scene's depth.
 
     Raises
     ------
     ValueError
-        If `force` names no effect, or one that cannot be forced so.
+        If `force` names no effect, or one that cannot be forced so, or the tolerance is no share.
 
     Examples
     --------
@@ -44,13 +53,20 @@ def plan(scene: Scene, alternatives: Alternatives | None = None, *, force: Mappi
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
     force, alternatives = force or {}, alternatives or {}
+    tolerance = TOLERANCE if tolerance is None else _checked(tolerance)
     known = {effect.name for effect in effects.EFFECTS}
     refuse(
         f"force: there is no effect {name!r}; {suggestion(name, sorted(known))}" for name in force if name not in known
     )
     calls = {effect.name: effect.call(scene, alternatives) for effect in effects.EFFECTS}
-    planned = [_planned(effect, calls[effect.name], force.get(effect.name)) for effect in effects.EFFECTS]
-    return Plan(tuple(_counted(planned, calls, scene.depth)), remarks=tuple(_remarks(scene)))
+    planned = [_planned(effect, calls[effect.name], force.get(effect.name), tolerance) for effect in effects.EFFECTS]
+    return Plan(tuple(_counted(planned, calls, scene.depth)), tuple(_remarks(scene)), tolerance)
+
+
+def _checked(tolerance: float | int) -> float:
+    if isinstance(tolerance, bool) or not 0 <= tolerance < 1:
+        raise ValueError(f"tolerance = {shown(tolerance)}: give a share of the light from 0 to below 1, such as 0.001")
+    return float(tolerance)
 
 
 def _remarks(scene: Scene) -> Iterator[str]:
@@ -81,14 +97,15 @@ def _inside(shape: Any, place: Any) -> bool:
         return encloses(shape, np.array(place, dtype=float))
 
 
-def _planned(effect: Effect, call: Call, forced: bool | None) -> Planned:
+def _planned(effect: Effect, call: Call, forced: bool | None, tolerance: float) -> Planned:
     if not call.by:
         if forced:
             raise ValueError(f"force: nothing calls for {effect.name}: {call.without}")
         return Planned(effect.name, "not called for", (), call.without, "none")
     left_out = call.left_out or ("it was left out on request" if forced is False else "")
     if not left_out:
-        return Planned(effect.name, "simulated", call.by, "", call.rays)
+        pruned = f", down to {100 * tolerance:.2g}% of a sample" if CARRIED in effect.state and tolerance else ""
+        return Planned(effect.name, "simulated", call.by, "", call.rays + pruned)
     if forced:
         raise ValueError(f"force: {effect.name} cannot be simulated: {left_out}")
     if forced is False and effect.needed:

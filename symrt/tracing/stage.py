@@ -13,6 +13,7 @@ from symrt.geometry.mesh import Mesh, load_mesh
 from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
 from symrt.geometry.triangle_mesh import TriangleMesh
+from symrt.reflection.bounds import largest
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
@@ -43,6 +44,9 @@ class Stage:
         The tree's record of each light, in the scene's order.
     sending
         For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so.
+    most
+        For each material, upper bounds of the shares by which its formulas send on what further rays bring; 1 where
+        more may be sent, or nothing is known.
     """
 
     camera: Camera
@@ -56,6 +60,7 @@ class Stage:
     remembered: Mapping[str, LightRecord]
     depth: int
     sending: Mapping[str, tuple[str, ...]]
+    most: Mapping[str, Mapping[str, float]]
 
 
 def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
@@ -95,7 +100,14 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         },
         depth=scene.depth,
         sending=sending,
+        most={name: _most(record) for name, record in materials.items()},
     )
+
+
+def _most(record: MaterialRecord) -> dict[str, float]:
+    """Upper bounds of the formulas by which a material sends rays on, for its parameters as they are."""
+    ranges = {key: (value, value) for key, value in record.parameters.items()}
+    return {via: min(largest(record.model.formulas[via], ranges), 1.0) for via in sorted(record.model.sending)}
 
 
 def _check_closed(scene: Scene, shapes: Sequence[object]) -> None:

@@ -11,6 +11,7 @@ References
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Int
@@ -21,14 +22,14 @@ from symrt.geometry.rays import Hits, Rays
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Sent
+from symrt.tracing.effects.effect import CARRIED, Sent
 from symrt.tracing.film import centres
 from symrt.tracing.plan import Plan
 from symrt.tracing.planner import AtWork, at_work, plan
 from symrt.tracing.points import points
 from symrt.tracing.raytree import Branch, Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
-from symrt.tracing.view import Batch, look
+from symrt.tracing.view import Batch, State, look
 
 Bounds = tuple[int, int, int, int]
 
@@ -39,6 +40,7 @@ def trace(
     alternatives: Alternatives | None = None,
     *,
     force: Mapping[str, bool] | None = None,
+    tolerance: float | int | None = None,
 ) -> RayTree:
     """Trace a scene, or a window ``(x0, y0, x1, y1)`` of its pixels, x1 and y1 excluded.
 
@@ -49,6 +51,8 @@ def trace(
         points, for a blend of materials whose models differ.
     force
         Effects to leave out, as for `plan`: ``{"shadows": False}``.
+    tolerance
+        Share of its film sample's light that a ray must carry to be followed, as for `plan`: 0.001 if not given.
 
     Examples
     --------
@@ -57,7 +61,7 @@ def trace(
     >>> tree.width, tree.height
     (8, 8)
     """
-    chosen = plan(scene, alternatives, force=force)
+    chosen = plan(scene, alternatives, force=force, tolerance=tolerance)
     return trace_window(make_stage(scene, alternatives), chosen, window)
 
 
@@ -72,7 +76,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     film, rays = sampled(stage.camera, Window(x0, y0, x1 - x0, y1 - y0))
     count = Counter(camera=film.pixel.size)
 
-    levels = _levels(stage, effects, rays, count)
+    levels = _levels(stage, effects, rays, count, chosen.tolerance)
     return RayTree(
         levels=levels,
         materials=stage.materials,
@@ -86,7 +90,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     )
 
 
-def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> tuple[Level, ...]:
+def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str], tolerance: float) -> tuple[Level, ...]:
     """The levels of the tree, from the camera's rays until none goes on."""
     size = rays.origin.shape[1]
     kept = {name: np.full(size, value) for effect in effects.simulated for name, value in effect.state.items()}
@@ -110,16 +114,29 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str]) -> t
         for effect in effects.simulated:
             if effect.onwards is None:
                 continue
-            sent = effect.onwards(stage, view, here)
-            if len(levels) < stage.depth:
-                followed += [one for one in sent if one.follow]
-                cut += [one for one in sent if not one.follow]
-                count[effect.name] += sum(one.hit.size for one in sent if one.follow)
-            else:
-                cut += sent
+            for sent in effect.onwards(stage, view, here):
+                enough, rest = _parted(sent, view.state, tolerance)
+                if len(levels) < stage.depth:
+                    followed += enough
+                    count[effect.name] += sum(one.hit.size for one in enough)
+                else:
+                    cut += enough
+                cut += rest
         levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))
         batch = _joined(batch, followed)
     return tuple(levels)
+
+
+def _parted(sent: Sent, state: State, tolerance: float) -> tuple[list[Sent], list[Sent]]:
+    """The rays that carry enough of their film samples' light to be followed, and the others."""
+    if sent.share is None or CARRIED not in state:
+        return [sent], []
+    carried = state[CARRIED][sent.hit] * sent.share
+    sent = replace(sent, state={**sent.state, CARRIED: carried})
+    enough = carried >= tolerance
+    if enough.all():
+        return [sent], []
+    return [sent.of(np.flatnonzero(enough))] if enough.any() else [], [sent.of(np.flatnonzero(~enough))]
 
 
 def _branch(sent: Sent) -> Branch:

@@ -14,7 +14,7 @@ import symrt as rt
 from symrt.arrays import normalise
 from symrt.reflection import Model
 from symrt.reflection.symbols import fresnel, mirror, transmission
-from symrt.tracing.effects.refraction import PRUNED
+from symrt.tracing.plan import TOLERANCE
 from symrt.tracing.refracting import interface
 
 UP = np.array([[0.0], [1.0], [0.0]])
@@ -121,9 +121,9 @@ def test_a_slab_seen_straight_lets_through_the_series():
     assert [str(i) for i in system.interactions] == ["sky*room.diffuse"]
     # Through after 0, 1 round trips, and back after 0 and 1; what is below the threshold is left out, and bounded.
     followed = (1 - share) ** 2 * (1 + share**2) + share + share * (1 - share) ** 2
-    assert share**3 < PRUNED < share**2
+    assert share**3 < TOLERANCE < share**2
     assert image.values[0, 0, 0] == pytest.approx(followed, rel=1e-12)
-    assert 0 < 1 - followed <= image.cut_off.max() < 4 * PRUNED
+    assert 0 < 1 - followed <= image.cut_off.max() < 4 * TOLERANCE
 
 
 @pytest.mark.parametrize("depth", [0, 1, 2, 5, 12])

@@ -491,7 +491,7 @@ def test_numbers_that_vanish_on_the_way_are_bounded_in_the_tail():
     dim = [rt.Material(name, model=rt.Model(**PAINT, reflected=1e-3)) for name in ("front", "back")]
     along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
     hall = replace(hall_of_mirrors(120, tilt=0.0), materials=dim, camera=along)
-    tree = rt.trace(hall)
+    tree = rt.trace(hall, tolerance=0)
     assert len(tree.levels) == 121
     tail = rt.collapse(tree).tail
     assert sorted(set(tail.bound.indices.tolist())) == [0, 1]  # of the lamp, and of the sky

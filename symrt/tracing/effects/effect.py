@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -16,6 +16,11 @@ from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import View, Which
 
 PerHit = Float[np.ndarray, " hit"]
+CARRIED = "carried"
+"""The name of the state that keeps the share of its film sample's light that a ray carries at most.
+
+The tracer multiplies it by the shares of the rays that are sent, and does not follow those that carry too little.
+"""
 
 
 @dataclass(frozen=True)
@@ -65,8 +70,10 @@ class Sent:
     materials
         The materials whose formula it is, by the names of their points: where a texture blends others with them, those
         send no such ray.  None if it is that of all that have it.
-    follow
-        False if the rays carry too little to be followed: what they would bring is bounded in the tail.
+    share
+        An upper bound, in [0, 1], of the share of their radiance that all rays of this formula together send on from
+        the hit: where `CARRIED` times it falls below the plan's tolerance they are not followed, and what they would
+        bring is bounded in the tail.  None if nothing is known to be lost.
     """
 
     via: str
@@ -76,7 +83,19 @@ class Sent:
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
     state: Mapping[str, np.ndarray] = field(default_factory=dict)
     materials: frozenset[str] | None = None
-    follow: bool = True
+    share: Float[np.ndarray, " ray"] | None = None
+
+    def of(self, which: Int[np.ndarray, " some"]) -> "Sent":
+        """Some of the rays, in ascending order."""
+        return replace(
+            self,
+            hit=self.hit[which],
+            rays=self.rays[which],
+            weight=self.weight[which],
+            factors={name: values[which] for name, values in self.factors.items()},
+            state={name: values[which] for name, values in self.state.items()},
+            share=None if self.share is None else self.share[which],
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ import numpy as np
 from symrt.arrays import dot, normalise
 from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Call, Effect, Sent
+from symrt.tracing.effects.effect import CARRIED, Call, Effect, Sent
 from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
 from symrt.tracing.stage import Alternatives, Stage, refracting, senders
@@ -30,14 +30,14 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     A smoothed normal may send the view into the surface; there is nothing to see there, so no ray is cast.
     """
     # The hits with a material that mirrors; where a texture blends several, they share the ray.
-    reflecting = np.zeros(view.slot.size, dtype=bool)
+    share = np.zeros(view.slot.size)
     materials: set[str] = set()
     for part in points:
         model = stage.materials[part.material].model
         if "reflected" in model.sending and not model.refracts:
-            reflecting[part.hit] = True
+            share[part.hit] += part.weight * stage.most[part.material]["reflected"]
             materials.add(part.material)
-    hit = np.flatnonzero(reflecting)
+    hit = np.flatnonzero(share)
 
     # The mirrored view, where it leaves the true surface.
     direction = reflect(view.viewer[:, hit], view.shading_normal[:, hit])
@@ -47,7 +47,8 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     surface = view.surface
     place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
     rays = spawn(*place, normalise(direction), view.leaving[:, hit])
-    return (Sent("reflected", hit, rays, np.ones(hit.size), materials=frozenset(materials)),)
+    carried = np.minimum(share[hit], 1.0)
+    return (Sent("reflected", hit, rays, np.ones(hit.size), materials=frozenset(materials), share=carried),)
 
 
-MIRRORS = Effect("mirrors", _call, onwards=_onwards)
+MIRRORS = Effect("mirrors", _call, onwards=_onwards, state={CARRIED: 1.0})

@@ -1,14 +1,12 @@
 """Refraction: at glass a view goes on along two ways, mirrored and bent (an effect of step 1).
 
-The shares are Fresnel's; what is mirrored and what goes through is all of it.  A branch that carries less than a
-thousandth of its film sample's light is not followed: it is bounded in the tail, as what is beyond the depth.
+The shares are Fresnel's; what is mirrored and what goes through is all of it.  A branch that carries less of its film
+sample's light than the plan's tolerance is not followed: it is bounded in the tail, as what is beyond the depth.
 
 Outside of glass is air, of index 1.  Light that glass bends onto other surfaces is another effect, caustics: for
 lights glass hides what is behind it.  Rays carry basic radiance, L/n², which is what leaves the glass again; a matte
 surface inside of solid glass is seen brighter than it is by the index squared.
 """
-
-from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -16,24 +14,19 @@ from jaxtyping import Bool, Float
 from symrt.arrays import PerRay, dot, normalise
 from symrt.geometry.rays import Rays, spawn
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import Call, Effect, Sent
+from symrt.tracing.effects.effect import CARRIED, Call, Effect, Sent
 from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
 from symrt.tracing.refracting import Interface, interface
 from symrt.tracing.stage import Alternatives, Stage, refracting
 from symrt.tracing.view import View, Which
 
-PRUNED = 1e-3
-"""Share of a film sample's light below which a branch is not followed."""
-CARRIED = "carried"
-"""The name of the state that keeps the share of its sample's light that a ray carries: Fresnel's shares, multiplied."""
-
 
 def _call(scene: Scene, alternatives: Alternatives) -> Call:
     return Call(
         refracting(scene, alternatives),
         without="no material is of glass",
-        rays=f"2 a hit, {scene.depth} deep, down to {PRUNED:.1%} of a sample",
+        rays=f"2 a hit, {scene.depth} deep",
         left_out="" if scene.depth else "the depth is 0",
         onwards=1,  # of two ways the weaker is soon not worth following
     )
@@ -83,20 +76,16 @@ def _sent(
     direction: Float[np.ndarray, "3 hit"],
     met: Interface,
 ) -> tuple[Sent, ...]:
-    """The rays of one way, those that carry enough to be followed and the others."""
-    hit, materials = part.hit, frozenset({part.material})
+    """The rays of one way; a texture's weight is a share of what they carry, too."""
     share = met.mirrored if via == "reflected" else met.through
-    before = view.state[CARRIED][hit] if CARRIED in view.state else np.ones(hit.size)
-    carried = before * share
-    found = []
-    for follow in (True, False):
-        chosen = np.flatnonzero(good & ((carried >= PRUNED) == follow))
-        if chosen.size:
-            factors = {"fresnel": met.mirrored[chosen], "transmission": met.through[chosen]}
-            rays = _spawned(view, hit[chosen], direction[:, chosen])
-            state: Mapping[str, np.ndarray] = {CARRIED: carried[chosen]} if CARRIED in view.state else {}
-            found.append(Sent(via, hit[chosen], rays, np.ones(chosen.size), factors, state, materials, follow))
-    return tuple(found)
+    chosen = np.flatnonzero(good)
+    if not chosen.size:
+        return ()
+    hit, materials = part.hit[chosen], frozenset({part.material})
+    factors = {"fresnel": met.mirrored[chosen], "transmission": met.through[chosen]}
+    rays = _spawned(view, hit, direction[:, chosen])
+    carried = part.weight[chosen] * share[chosen]
+    return (Sent(via, hit, rays, np.ones(chosen.size), factors, materials=materials, share=carried),)
 
 
 def _spawned(view: View, hit: Which, direction: Float[np.ndarray, "3 hit"]) -> Rays:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from symrt.linear.bounds import largest
 from symrt.reflection import MODELS, diffuse, mirror, reflectance
+from symrt.reflection.bounds import largest
 
 
 def test_a_highlight_is_bounded_with_f0_and_1_minus_f0_together():

@@ -8,8 +8,8 @@ import sympy
 from scenes_for_tests import camera, mirrors
 
 import symrt as rt
-from symrt.linear.corners import corners
 from symrt.reflection import f82, mirror, n_dot_v, parameter, reflectance
+from symrt.reflection.corners import corners
 from symrt.reflection.symbols import Factor
 
 f0, edge = reflectance("f0"), reflectance("edge")

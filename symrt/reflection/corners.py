@@ -17,7 +17,7 @@ from math import comb
 
 import sympy
 
-from symrt.linear.bounds import largest
+from symrt.reflection.bounds import largest
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import ONE_MINUS, Factor, Parameter
 from symrt.system import Shares

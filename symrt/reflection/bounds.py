@@ -1,4 +1,4 @@
-"""Bounds of a model's formulas by interval arithmetic, which bound the light that a trace cuts off (step 2)."""
+"""Bounds of a model's formulas by interval arithmetic, which bound the light that a trace cuts off (steps 1 and 2)."""
 
 import functools
 import math
