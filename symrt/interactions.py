@@ -8,6 +8,7 @@ from jaxtyping import Int
 
 from symrt.errors import shown
 from symrt.symbols import Symbol
+from symrt.windows import EVERYWHERE, Window
 from symrt.written import written_terms
 
 BLACK = (0.0, ())
@@ -27,20 +28,27 @@ class Interaction:
         light met them where that was asked for.
     nodes
         ``(parameter, index)`` for each free parameter whose node this column belongs to.
+    window
+        The part of the spectrum that took this way, where glass bends wavelengths apart; empty for all of it.  It is a
+        fixed symbol: of degree 0, and multiplied by no scale.
 
     Examples
     --------
     >>> str(Interaction("sun", ("sea.diffuse", "sea.mirror", "sea.mirror")))
     'sun*sea.diffuse*sea.mirror**2'
+    >>> str(Interaction("sun", ("sea.diffuse",), window=Window(400, 500, 600)))
+    'sun*sea.diffuse*[400 … 500 … 600 nm]'
     """
 
     light: str
     met: tuple[str, ...] = ()
     nodes: tuple[tuple[str, int], ...] = ()
+    window: Window | tuple[()] = EVERYWHERE
 
     def __str__(self) -> str:
         powers = [f"{name}**{k}" if (k := self.met.count(name)) > 1 else name for name in dict.fromkeys(self.met)]
-        return "*".join([self.light, *powers, *(f"node({name},{j})" for name, j in self.nodes)])
+        window = [str(self.window)] if self.window else []
+        return "*".join([self.light, *powers, *window, *(f"node({name},{j})" for name, j in self.nodes)])
 
     @property
     def degree(self) -> int:
@@ -91,21 +99,26 @@ def written(text: str) -> list[tuple[Interaction, float]]:
     Raises
     ------
     ValueError
-        If a term is not the product of a number, one light and reflectances.
+        If a term is not the product of a number, one light, reflectances, and perhaps a window.
 
     Examples
     --------
     >>> written("0.5*sun*sea.diffuse + 0")
-    [(Interaction(light='sun', met=('sea.diffuse',), nodes=()), 0.5)]
+    [(Interaction(light='sun', met=('sea.diffuse',), nodes=(), window=()), 0.5)]
     """
     found = []
-    for coefficient, names in (term for term in written_terms(text) if term != BLACK):
+    for coefficient, factors in (term for term in written_terms(text) if term != BLACK):
+        windows = [Window.of(factor) for factor in factors if factor.startswith("[")]
+        names = [factor for factor in factors if not factor.startswith("[")]
         symbols = [Symbol.of(name) for name in names]
         lights = [symbol.light for symbol in symbols if symbol.light]
         if len(lights) != 1:
             raise ValueError(
                 f"{shown(text)}: {len(lights)} lights in a term; every path of light starts at exactly one"
             )
+        if len(windows) > 1:
+            raise ValueError(f"{shown(text)}: {len(windows)} windows of wavelengths in a term; light has one at most")
         met = sorted(name for name, symbol in zip(names, symbols, strict=True) if symbol.reflectance)
-        found.append((Interaction(lights[0], tuple(met)), coefficient))
+        window = windows[0] if windows else EVERYWHERE
+        found.append((Interaction(lights[0], tuple(met), window=window), coefficient))
     return found

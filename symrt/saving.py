@@ -18,6 +18,7 @@ from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
 from symrt.system import LinearSystem, Shares, Tail
+from symrt.windows import EVERYWHERE, Window
 
 KIND = Kind("system", 2, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30
@@ -46,7 +47,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_system(Path(folder) / "grey.npz", grey)
     ...     load_system(Path(folder) / "grey.npz").interactions
-    (Interaction(light='sun', met=('red.diffuse',), nodes=()),)
+    (Interaction(light='sun', met=('red.diffuse',), nodes=(), window=()),)
     """
     try:
         header, arrays = packed(system)
@@ -63,8 +64,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
     header = {
         "height": int(system.height),
         "width": int(system.width),
-        "interactions": [[i.light, list(i.met), [list(n) for n in i.nodes]] for i in system.interactions],
-        "tail": None if system.tail is None else [[i.light, list(i.met), []] for i in tail.interactions],
+        "interactions": [_row(i) for i in system.interactions],
+        "tail": None if system.tail is None else [_row(i) for i in tail.interactions],
         "reflected": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.reflected],
         "passed": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.passed],
         "white": {name: float(value).hex() for name, value in system.white.items()},
@@ -188,6 +189,8 @@ def _wrong_columns(system: LinearSystem, tail: Tail) -> Iterator[str]:
         if len(set(several)) < len(several):
             yield f"two {kind} are the same"
     yield from (f"what was cut off has nodes, in {i}" for i in tail.interactions if i.nodes)
+    windows = {i.window for i in (*system.interactions, *tail.interactions) if i.window}
+    yield from (f"a window is {list(window)}: {window.fault}" for window in sorted(windows) if window.fault)
 
     # Columns that were interpolated.
     columns = set(system.interactions)
@@ -252,13 +255,29 @@ def _estimate(count: Any, rms: Any, largest: Any) -> Estimate:
     return Estimate(_count(count), float.fromhex(_text(rms)), float.fromhex(_text(largest)))
 
 
+def _row(interaction: Interaction) -> list[Any]:
+    """A column as a file has it; of one without a window it is what it was before there were any."""
+    row = [interaction.light, list(interaction.met), [list(node) for node in interaction.nodes]]
+    return [*row, [float(nm).hex() for nm in interaction.window]] if interaction.window else row
+
+
 def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
     return tuple(
         Interaction(
-            _text(light), tuple(map(_text, _list(met))), tuple((_text(name), _count(j)) for name, j in _list(nodes))
+            _text(light),
+            tuple(map(_text, _list(met))),
+            tuple((_text(name), _count(j)) for name, j in _list(nodes)),
+            _window(*window),
         )
-        for light, met, nodes in _list(rows)
+        for light, met, nodes, *window in map(_list, _list(rows))
     )
+
+
+def _window(parts: Any = None) -> Window | tuple[()]:
+    if parts is None:
+        return EVERYWHERE
+    low, centre, high = (float.fromhex(_text(part)) for part in _list(parts))
+    return Window(low, centre, high)
 
 
 def _shares(rows: list[Any]) -> tuple[Shares, ...]:

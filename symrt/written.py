@@ -2,23 +2,27 @@
 
 import re
 
+from symrt import windows
 from symrt.errors import shown
 from symrt.symbols import WRITTEN
 
 NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-FACTOR = re.compile(rf"(?P<number>{NUMBER})|(?P<name>{WRITTEN})(?:\s*\*\*\s*(?P<power>[1-9]\d{{0,2}})(?!\d))?")
+FACTOR = re.compile(
+    rf"(?P<number>{NUMBER})|(?P<window>{windows.WRITTEN})"
+    rf"|(?P<name>{WRITTEN})(?:\s*\*\*\s*(?P<power>[1-9]\d{{0,2}})(?!\d))?"
+)
 ONE = re.sub(r"\?P<\w+>", "?:", FACTOR.pattern)
 TERM = re.compile(rf"(?P<signs>[-+\s]*)(?P<term>(?:{ONE})(?:\s*\*\s*(?:{ONE}))*)\s*")
-"""Signs, and factors joined by ``*``: numbers, and names that may have a whole power below 1000."""
+"""Signs, and factors joined by ``*``: numbers, windows of wavelengths, and names that may have a power below 1000."""
 
 
 def written_terms(text: str) -> list[tuple[float, tuple[str, ...]]]:
-    """The terms of a sum: a number, and the names that it multiplies, repeated as often as they occur.
+    """The terms of a sum: a number, and the names and windows that it multiplies, repeated as often as they occur.
 
     Raises
     ------
     ValueError
-        If it is no sum of products of numbers, names, and names to whole powers.
+        If it is no sum of products of numbers, windows, names, and names to whole powers.
 
     Examples
     --------
@@ -43,6 +47,8 @@ def written_terms(text: str) -> list[tuple[float, tuple[str, ...]]]:
         for factor in FACTOR.finditer(found["term"]):
             if factor["number"]:
                 coefficient *= float(factor["number"])
+            elif factor["window"]:
+                names.append(factor["window"])
             else:
                 names += [factor["name"]] * int(factor["power"] or 1)
         terms.append((coefficient, tuple(names)))

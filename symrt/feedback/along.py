@@ -22,6 +22,7 @@ from symrt.feedback.bounds import Sizes
 from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
 from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
+from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
@@ -201,7 +202,7 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
 
 def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends]) -> Float[np.ndarray, "power band"]:
     """Γ of one interaction as Σ e_k (1 − t)^(D−k) t^k, with D the number of its symbols that move."""
-    product = np.ones((1, len(palette.bands)))
+    product = hats([interaction], palette.bands)
     for name in interaction.symbols:
         if name not in ends:
             # An alternative that the palette does not name is no part of the picture.

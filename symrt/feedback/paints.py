@@ -22,6 +22,7 @@ from symrt.feedback.polynomials import HALVINGS, joined, placed
 from symrt.gamut.interface import ROUNDING
 from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
+from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
@@ -134,7 +135,11 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
     names = [i.symbols for i in system.interactions]
     bands = len(palette.bands)
     known = {n: palette[n] if n in palette else np.zeros(bands) for row in names for n in row}
-    fixed = [np.prod([np.ones(bands), *(known[n] for n in row if n not in moving)], axis=0) for row in names]
+    within = hats(system.interactions, palette.bands)
+    fixed = [
+        np.prod([hat, *(known[n] for n in row if n not in moving)], axis=0)
+        for hat, row in zip(within, names, strict=True)
+    ]
     blocks = system.blocks(*([name] for name in moving))
     return Paints(
         part=replace(system, tail=None),

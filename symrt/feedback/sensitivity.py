@@ -31,6 +31,7 @@ from symrt.feedback.parameters import (
     moved_ends,
 )
 from symrt.spectra.bands import Number
+from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.symbols import Symbol
 from symrt.system import LinearSystem
@@ -171,7 +172,7 @@ def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum
         if not all(name in palette for name in names):  # an alternative that is no part of the picture
             continue
         for k, name in enumerate(names):
-            rest = [palette[other] for other in (*names[:k], *names[k + 1 :])]
+            rest = [*hats([interaction], palette.bands), *(palette[n] for n in (*names[:k], *names[k + 1 :]))]
             found[name] = found[name] + np.prod([slab * g, *rest], axis=0)
     return dict(found)
 

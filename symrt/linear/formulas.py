@@ -13,11 +13,12 @@ from jaxtyping import Float
 from symrt.errors import shown
 from symrt.linear.printing import evaluated, python_code, tex, text
 from symrt.linear.terms import number, tree_expression
-from symrt.reflection.symbols import ONE_MINUS, Factor, Light, Parameter, Reflectance
+from symrt.reflection.symbols import ONE_MINUS, Factor, Hat, Light, Parameter, Reflectance
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
+from symrt.windows import Window
 
 Spectra = Mapping[str, float | Float[np.ndarray, " band"]]
 
@@ -63,7 +64,8 @@ class Formula:
     def code(self, name: str = "pixel") -> str:
         """A Python function of the free spectra, exact to the last bit of every number in it.
 
-        It takes numbers, one band at a time; up to 200 terms also arrays.
+        It takes numbers, one band at a time; up to 200 terms also arrays.  Where glass bends wavelengths apart it takes
+        the band's wavelength, too: ``nm``, a number.
 
         Examples
         --------
@@ -76,12 +78,33 @@ class Formula:
         """
         return python_code(self.expression, self.symbols, self.values, name)
 
-    def evaluate(self, spectra: Spectra) -> Float[np.ndarray, " band"] | float:
-        """The pixel's value for given spectra, by name; bands broadcast."""
+    def evaluate(
+        self, spectra: Spectra, nm: float | int | Float[np.ndarray, " band"] | None = None
+    ) -> Float[np.ndarray, " band"] | float:
+        """The pixel's value for given spectra, by name; bands broadcast.
+
+        Parameters
+        ----------
+        nm
+            The wavelength of each band, where glass bends wavelengths apart.
+
+        Examples
+        --------
+        >>> Formula(Light("sun") * Hat("[400 … 500 … 700 nm]")).evaluate({"sun": 2.0}, nm=600)
+        1.0
+        """
         # Values for all letters and spectra in the expression.
         leaves: dict[sympy.Symbol, Any] = {Factor(name): value for name, value in self.values.items()}
         free = self.expression.free_symbols
         leaves |= {s: spectra[s.name] for s in free if not isinstance(s, Factor) and s.name in spectra}
+        windows = [s for s in free if isinstance(s, Hat)]
+        if windows and nm is None:
+            raise ValueError(
+                f"{windows[0].name}: the pixel depends on the wavelength: give nm=, such as the palette's bands.centres"
+            )
+        for symbol in windows:
+            weights = Window.of(symbol.name).weights(np.atleast_1d(np.asarray(nm, dtype=float)))
+            leaves[symbol] = float(weights[0]) if isinstance(nm, float | int) else weights
         missing = sorted(s.name for s in free - set(leaves))
         if missing:
             raise ValueError(f"no value for {', '.join(missing)}; the formula's spectra are {', '.join(self.symbols)}")
@@ -148,7 +171,10 @@ def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     terms = []
     for interaction, g in source.terms(pixel):
         nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
-        terms.append(sympy.Mul(number(g), Light(interaction.light), *map(Reflectance, interaction.met), *nodes))
+        window = [Hat(str(interaction.window))] if interaction.window else []
+        terms.append(
+            sympy.Mul(number(g), Light(interaction.light), *map(Reflectance, interaction.met), *window, *nodes)
+        )
     return Formula(sympy.Add(*terms))
 
 

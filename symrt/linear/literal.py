@@ -12,17 +12,18 @@ from scipy import sparse
 from symrt.interactions import Interaction
 from symrt.linear.formulas import Formula
 from symrt.linear.functions import function_of
-from symrt.reflection.symbols import Factor, Light, Reflectance, lobe_value
+from symrt.reflection.symbols import Factor, Hat, Light, Reflectance, lobe_value
 from symrt.system import LinearSystem
+from symrt.windows import EVERYWHERE, Window
 
 
 def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
-    """The coefficient of each product of one light and some reflectances.
+    """The coefficient of each product of one light, some reflectances, and perhaps a window of wavelengths.
 
     Raises
     ------
     ValueError
-        If a term has no light, several lights, or is not a product of powers of its symbols.
+        If a term has no light, several lights or windows, or is not a product of powers of its symbols.
 
     Examples
     --------
@@ -32,7 +33,7 @@ def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
     {'sun*sea.diffuse': n_dot_l, 'sun*sea.specular': n_dot_l}
     """
     form: dict[Interaction, list[sympy.Expr]] = {}
-    dynamic = expression.atoms(Light, Reflectance)
+    dynamic = expression.atoms(Light, Reflectance, Hat)
     for term in sympy.Add.make_args(sympy.expand(expression, deep=True, power_base=False, power_exp=False)):
         if term == 0:
             continue
@@ -74,11 +75,16 @@ def _coefficients(pixel: Formula) -> dict[Interaction, float]:
 def _interaction(product: sympy.Expr) -> Interaction:
     lights: list[str] = []
     met: list[str] = []
+    windows: list[str] = []
     for factor in sympy.Mul.make_args(product):
         base, power = factor.as_base_exp()
-        if not isinstance(base, Light | Reflectance) or not (power.is_Integer and power > 0):
+        if not isinstance(base, Light | Reflectance | Hat) or not (power.is_Integer and power > 0):
             raise ValueError(f"{product} is not a product of powers of lights and reflectances; expand it first")
-        (lights if isinstance(base, Light) else met).extend([base.name] * int(power))
+        (lights if isinstance(base, Light) else windows if isinstance(base, Hat) else met).extend(
+            [base.name] * int(power)
+        )
     if len(lights) != 1:
         raise ValueError(f"{product} has {len(lights)} lights: every path of light starts at exactly one")
-    return Interaction(lights[0], tuple(sorted(met)))
+    if len(windows) > 1:
+        raise ValueError(f"{product} has {len(windows)} windows of wavelengths: light is in one, or in none")
+    return Interaction(lights[0], tuple(sorted(met)), window=Window.of(windows[0]) if windows else EVERYWHERE)

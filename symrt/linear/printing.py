@@ -15,7 +15,8 @@ from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
 from symrt.linear.functions import function_of
-from symrt.reflection.symbols import ONE_MINUS, Factor, Kind, Lobe, lobe_value
+from symrt.reflection.symbols import ONE_MINUS, Factor, Hat, Kind, Lobe, lobe_value
+from symrt.windows import Window
 
 NEGLIGIBLE = 1e-9
 """Share of the pixel below which terms are counted and not shown."""
@@ -27,6 +28,15 @@ LOBE = '''
 def lobe(cosine, exponent):
     """A cosine to a power, to the last digit: near its peak a float has no digits left, so that it is a Decimal."""
     return float((Decimal(exponent) * cosine.ln()).exp()) if exponent else 1.0
+'''
+
+HAT = '''
+
+def window(nm, low, centre, high):
+    """The share of a window of wavelengths at one of them: 1 at its centre, 0 from its ends on."""
+    if not low <= nm <= high:
+        return 0.0
+    return (nm - low) / (centre - low) if nm < centre else (high - nm) / (high - centre) if nm > centre else 1.0
 '''
 
 LetterValues = Mapping[str, float]
@@ -77,6 +87,9 @@ class _Python(PythonCodePrinter):
     def _print_Lobe(self, expr: sympy.Expr) -> str:  # noqa: N802 -- SymPy's name for it
         one_minus, exponent = (self.doprint(part) for part in expr.args)
         return f"lobe({f'1 - Decimal({one_minus})' if expr.args[0] in self.bare else one_minus}, {exponent})"
+
+    def _print_Hat(self, expr: Hat) -> str:  # noqa: N802 -- SymPy's name for it
+        return f"window(nm, {', '.join(map(repr, Window.of(expr.name)))})"
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]
@@ -133,14 +146,15 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
 
     # The letters of the geometry, and the function's arguments.
     bare = _outside_lobes(expression)
-    names = _identifiers(expression, {name, "math", "Decimal", "lobe"}, bare)
+    names = _identifiers(expression, {name, "math", "Decimal", "lobe", "window", "nm"}, bare)
     printer = _Python(names, bare)
     letters = [
         f"{names[Factor(letter)]} = {_python_value(letter, float(value), Factor(letter) in bare)}"
         for letter, value in values.items()
         if Factor(letter) in names
     ]
-    arguments = ", ".join(names[s] for s in _arguments(expression, spectra))
+    windows = bool(expression.atoms(Hat))
+    arguments = ", ".join([*(names[s] for s in _arguments(expression, spectra)), *(["nm"] if windows else [])])
 
     # The sum that it returns, largest terms first.
     terms = [printer.doprint(term) for term in _largest_first(sympy.Add.make_args(expression), values)[0]]
@@ -148,10 +162,11 @@ def python_code(expression: sympy.Expr, spectra: Sequence[str], values: Mapping[
     if len(terms) > MANY:
         total = "math.fsum((\n        " + ",\n        ".join(terms) + ",\n    ))"
 
-    # Its imports, and the powers of cosines if there are any.
+    # Its imports, and the powers of cosines and the windows if there are any.
     lobes = bool(expression.atoms(Lobe))
     head = ["import math", *(["from decimal import Decimal"] if lobes else []), *([""] if letters else []), *letters]
-    return "\n".join(head) + (f"\n{LOBE}" if lobes else "\n") + f"\n\ndef {name}({arguments}):\n    return {total}"
+    needed = "".join(part for part, used in ((LOBE, lobes), (HAT, windows)) if used)
+    return "\n".join(head) + f"\n{needed}\n\ndef {name}({arguments}):\n    return {total}"
 
 
 def _python_value(letter: str, value: float, bare: bool) -> str:
@@ -290,7 +305,7 @@ def _order(term: sympy.Expr) -> list[tuple[Any, str, str]]:
 def _arguments(expression: sympy.Expr, spectra: Sequence[str]) -> list[Any]:
     """The free symbols other than geometric letters, in the order of `spectra`, and any others after them."""
     rank = {name: k for k, name in enumerate(spectra)}
-    free = [s for s in expression.free_symbols if not isinstance(s, Factor)]
+    free = [s for s in expression.free_symbols if not isinstance(s, Factor | Hat)]
     return sorted(free, key=lambda s: (rank.get(s.name, len(rank)), s.class_key(), s.name))
 
 

@@ -48,7 +48,7 @@ VIEW = frozenset({"n_dot_v", "one_minus_n_dot_v"})
 
 
 class Kind(sympy.Symbol):
-    """A symbol of one kind; kinds print in the order light, reflectance, factor, parameter."""
+    """A symbol of one kind; kinds print in the order light, reflectance, window, factor, parameter."""
 
     rank: ClassVar[str] = ""
 
@@ -82,10 +82,20 @@ class Reflectance(Kind):
     rank = "2 reflectance"
 
 
+class Hat(Kind):
+    """A window of wavelengths, by its text: at each wavelength a fixed share, see `symrt.windows`."""
+
+    rank = "3 window"
+
+    def _latex(self, _printer: Any) -> str:
+        parts = self.name.replace("…", r"\ldots").removeprefix("[").removesuffix("nm]")
+        return rf"\left[{parts.strip()}\,\mathrm{{nm}}\right]"
+
+
 class Factor(Kind):
     """A geometric factor: a number for each hit, known after tracing."""
 
-    rank = "3 factor"
+    rank = "4 factor"
 
     def _sympystr(self, _printer: Any) -> str:
         return f"(1 - {self.name.removeprefix(ONE_MINUS)})" if self.name.startswith(ONE_MINUS) else self.name
@@ -101,7 +111,7 @@ class Factor(Kind):
 class Parameter(Kind):
     """A scalar that is not a spectrum: an exponent, a blend."""
 
-    rank = "4 parameter"
+    rank = "5 parameter"
 
 
 class Lobe(sympy.Function):

@@ -20,6 +20,7 @@ from symrt.errors import require
 from symrt.interactions import Interaction
 from symrt.spectra.bands import Bands, Number, coordinates
 from symrt.spectra.display import check_exposure, display_matrix, to_rgb8
+from symrt.spectra.hats import hats
 from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
@@ -105,7 +106,7 @@ def _vanished(interactions: Sequence[Interaction], spectra: Gamma, palette: Pale
     for row in np.flatnonzero((spectra == 0).any(axis=1)).tolist():
         names = interactions[row].symbols
         if not interactions[row].nodes and all(name in palette for name in names):
-            factors = np.array([palette[name] for name in names])
+            factors = np.array([*(palette[name] for name in names), *hats([interactions[row]], palette.bands)])
             vanished |= (spectra[row] == 0) & (factors > 0).all(axis=0)
     return vanished
 
@@ -179,17 +180,16 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     factors = [i.symbols for i in interactions]
     symbols = sorted({name for names in factors for name in names})
     check_symbols(symbols, palette)
-    # The last row, of ones, fills up the interactions that met less than others did.
+    # The last row is of ones, for interactions of fewer factors.
     rows = [palette[name] if name in palette else np.zeros(len(palette.bands)) for name in symbols]
-    spectra = np.array([*rows, np.ones(len(palette.bands))])
-    number = {name: k for k, name in enumerate(symbols)}
+    spectra, number = np.array([*rows, np.ones(len(palette.bands))]), {name: k for k, name in enumerate(symbols)}
     places = np.full((len(factors), max(map(len, factors), default=1)), len(symbols))
     for row, names in zip(places, factors, strict=True):
         row[: len(names)] = [number[name] for name in names]
     product = spectra[places[:, 0]]
     for column in places.T[1:]:
         product *= spectra[column]
-    return product
+    return product * hats(interactions, palette.bands) if any(i.window for i in interactions) else product
 
 
 def check_symbols(symbols: Sequence[str], palette: Palette) -> None:
@@ -245,7 +245,8 @@ def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
     """True where light is left in a column: no factor is zero, however small the product."""
     names = [set(i.symbols) for i in tail.interactions]
     left = [np.all([_known(name, palette) > 0 for name in factors], axis=0) for factors in names]
-    return np.array(left, dtype=bool).reshape(len(left), len(palette.bands))
+    within = hats(tail.interactions, palette.bands) > 0
+    return np.array(left, dtype=bool).reshape(within.shape) & within
 
 
 def _most_reflected(tail: Tail, palette: Palette) -> Spectrum:
