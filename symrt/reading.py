@@ -25,6 +25,20 @@ LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_.-]){PART}(?:[ \t]*+\.[ \t]*+{PART}){{32
 """A key such as a.b.c.… of dozens of parts: Python's TOML reader needs memory in the square of their number."""
 
 
+def shipped_scenes() -> dict[str, Path]:
+    """The files of the scenes that come with symrt, by name.
+
+    Examples
+    --------
+    >>> "globe" in shipped_scenes()
+    True
+    """
+    here = Path(__file__).resolve().parent
+    # A wheel carries the scenes inside the package; a checkout has them beside it.
+    folder = next((place for place in (here / "scenes", here.parent / "scenes") if place.is_dir()), here)
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
 def shipped_scene(name: str) -> Path:
     """The file of a scene that comes with symrt.
 
@@ -33,10 +47,7 @@ def shipped_scene(name: str) -> Path:
     >>> shipped_scene("first").name
     'first.toml'
     """
-    here = Path(__file__).resolve().parent
-    # A wheel carries the scenes inside the package; a checkout has them beside it.
-    folder = next((place for place in (here / "scenes", here.parent / "scenes") if place.is_dir()), here)
-    shipped = {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    shipped = shipped_scenes()
     if name not in shipped:
         raise SceneError(f"{shown(name)}: no scene of this name comes with symrt; {suggestion(name, shipped)}")
     return shipped[name]

@@ -12,10 +12,15 @@ from symrt.commands import options as option
 from symrt.commands.arguments import against, formula_of, palette_of, scene_of, system_of
 from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
+from symrt.disk import write_whole
+from symrt.reading import shipped_scenes
 from symrt.show.writing import json_text
 
 if TYPE_CHECKING:
     from symrt.tracing import Planned
+
+WIDEST = 2048
+"""Pixels across a scene in a gallery."""
 
 
 def plan(
@@ -141,3 +146,32 @@ def demo(
 
     for product in write_demo(out, scene_of(scene, size), rt.load_palettes(scene)):
         say(f"{product.path}: {shorten(product.caption, 140, placeholder=' …')}")
+
+
+def gallery(
+    scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE]...", help="All that come with symrt.")] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="A .png.")] = Path("gallery.png"),
+    width: Annotated[int, typer.Option("--width", help="Pixels across each scene.")] = 320,
+    samples: Annotated[int, typer.Option("--samples", help="Samples along each side of a pixel.")] = 2,
+) -> None:
+    """Render scenes into one picture, each with the effects that it calls for.
+
+    Example: symrt gallery --out gallery.png
+    """
+    # Words that cannot be obeyed are refused before any work.
+    if not 1 <= width <= WIDEST:
+        raise ValueError(f"--width {width}: give a number of pixels from 1 to {WIDEST}")
+    writable(out, ".png")
+    apart({"--out": out}, scenes or ())
+
+    from symrt.show.gallery import exhibits  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.show.plots import gallery_figure, png  # noqa: PLC0415
+
+    shown = list(exhibits(scenes or list(shipped_scenes()), width, samples))
+    if not scenes:
+        # Those that call for least come first.
+        shown.sort(key=lambda one: (len(one.effects), one.name))
+    write_whole(out, png(gallery_figure(shown)))
+    for one in shown:
+        say(f"{one.name}: {', '.join(one.effects) or 'no effect but light'}; {one.seconds:.2f} s")
+    say(f"{out}: {len(shown)} scenes")

@@ -9,6 +9,7 @@ from symrt.show.plots.basis import basis_figure
 from symrt.show.plots.bodies import body_figure, colours_figure, prints_figure
 from symrt.show.plots.feedback import curve_figure, out_of_gamut_map, ranges_figure
 from symrt.show.plots.fits import fit_figure
+from symrt.show.plots.gallery import gallery_figure
 from symrt.show.plots.gamut import gamut_figure, segments_figure, solids_figure
 from symrt.show.plots.region import joint_region_figure
 from symrt.show.plots.style import png
@@ -20,6 +21,7 @@ __all__ = [
     "colours_figure",
     "curve_figure",
     "fit_figure",
+    "gallery_figure",
     "gamut_figure",
     "joint_region_figure",
     "mapped_figure",
