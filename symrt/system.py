@@ -30,8 +30,9 @@ class Tail:
 
     Each column is a light times the reflectances that a cut path was mirrored by.  As long as no reflectance passes 1,
     the missing radiance is at most ``Σ bound · light · Π met / (1 − ρ)`` in each band, where ρ is the largest share
-    ``Σ_k c_k Π met_k`` that a material sends on of what rays bring it.  Materials that no light shines on, mirrors and
-    glass, do not count: what they send on comes from others, as long as it is no more than they receive.
+    ``Σ_k c_k Π met_k`` that a material sends on of what rays bring it, a diffuser's albedo included where rays gather
+    light for it.  Materials that no light shines on, mirrors and glass, do not count: what they send on comes from
+    others, as long as it is no more than they receive.
 
     Parameters
     ----------

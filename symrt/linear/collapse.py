@@ -17,6 +17,7 @@ from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import Glowing, Lighted, Lost, ends
 from symrt.linear.products import Product, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
+from symrt.reflection.models import LIT
 from symrt.system import LinearSystem, Tail
 from symrt.tracing.raytree import LightRecord, RayTree
 
@@ -46,7 +47,8 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, or
     """
     start = time.perf_counter()
     require("tree", tree, RayTree, "a RayTree, trace(scene)")
-    program = make_program(tree.materials, values, free)
+    gathered = {via for formulas in tree.sending.values() for via in formulas}.intersection(LIT)
+    program = make_program(tree.materials, values, free, gathered)
     system = run(program, tree, ordered=ordered)
     return replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
 

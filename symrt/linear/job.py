@@ -19,7 +19,7 @@ from symrt.linear.tiles import Window, tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.plan import Plan
-from symrt.tracing.planner import plan
+from symrt.tracing.planner import at_work, plan
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tracer import trace_window
 
@@ -87,4 +87,4 @@ def make_job(
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
     stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force, tolerance=tolerance)
-    return Job(stage, chosen, make_program(stage.materials, values, free))
+    return Job(stage, chosen, make_program(stage.materials, values, free, at_work(chosen).gathered))

@@ -1,6 +1,6 @@
 """Bounds of what the materials of a scene send on, for the light that a trace cuts off (step 2)."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from symrt.nodes import Nodes
@@ -36,8 +36,14 @@ class Limits:
     lit: frozenset[str]
 
 
-def limits(materials: Materials, nodes: Mapping[str, Nodes]) -> Limits:
-    """Bound what materials send on, for all values of parameters between the nodes of those that stayed free."""
+def limits(materials: Materials, nodes: Mapping[str, Nodes], gathered: Collection[str] = ()) -> Limits:
+    """Bound what materials send on, for all values of parameters between the nodes of those that stayed free.
+
+    Parameters
+    ----------
+    gathered
+        Formulas that lights meet by which effects send rays on, too.
+    """
     ranges = {name: _ranges(name, record, nodes) for name, record in materials.items()}
     return Limits(
         brightest={field: _brightest(field, materials, ranges) for field in LIT},
@@ -50,7 +56,7 @@ def limits(materials: Materials, nodes: Mapping[str, Nodes]) -> Limits:
                 }
             )
         ),
-        sent=_sent(materials, ranges),
+        sent=_sent(materials, ranges, gathered),
         lit=frozenset(Surface.of(n).place for n, m in materials.items() if any(m.model.formulas[f] != 0 for f in LIT)),
     )
 
@@ -76,12 +82,12 @@ def _brightest(field: str, materials: Materials, ranges: Mapping[str, Mapping[st
 
 
 def _sent(
-    materials: Materials, ranges: Mapping[str, Mapping[str, tuple[float, float]]]
+    materials: Materials, ranges: Mapping[str, Mapping[str, tuple[float, float]]], gathered: Collection[str]
 ) -> dict[str, tuple[Shares, ...]]:
     """Bounds of what each material sends on by all its formulas together, its alternatives added."""
     found: dict[str, tuple[Shares, ...]] = {}
     for name, record in materials.items():
-        sums = corners(record.model.sent_on, ranges[name])
+        sums = corners(record.model.sent_on(gathered), ranges[name])
         own = tuple(tuple((tuple(named(name, c) for c in met), most) for met, most in shares) for shares in sums)
         place = Surface.of(name).place
         before = found.get(place, ())

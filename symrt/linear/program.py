@@ -1,6 +1,6 @@
 """All materials of a scene compiled: the residue of partial evaluation, to be run on the numbers of a tree (step 2)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,8 +37,15 @@ class Program:
     limits: Limits
 
 
-def make_program(materials: Materials, values: Values | None = None, free: Free = ()) -> Program:
+def make_program(
+    materials: Materials, values: Values | None = None, free: Free = (), gathered: Collection[str] = ()
+) -> Program:
     """Bind parameters to their values, or to nodes where they stay free, and compile.
+
+    Parameters
+    ----------
+    gathered
+        Formulas that lights meet by which effects send rays on, too.
 
     Examples
     --------
@@ -57,7 +64,7 @@ def make_program(materials: Materials, values: Values | None = None, free: Free 
         compiled={name: _compiled(name, record, nodes) for name, record in materials.items()},
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
-        limits=limits(materials, nodes),
+        limits=limits(materials, nodes, gathered),
     )
 
 

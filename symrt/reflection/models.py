@@ -14,7 +14,7 @@ References
 The metals' formulas, with their references and errors, are those of `symrt.reflection.metals`.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -135,10 +135,19 @@ class Model:
         """True if a term of some formula names no reflectance: no spectrum of the material takes it away."""
         return any(() in monomials(formula) for formula in self.formulas.values())
 
-    @cached_property
-    def sent_on(self) -> sympy.Expr:
-        """The share of what further rays bring that is sent on, by all formulas together, if all brought the same."""
+    def sent_on(self, gathered: Collection[str] = ()) -> sympy.Expr:
+        """The share of what further rays bring that is sent on, by all formulas together, if all brought the same.
+
+        Parameters
+        ----------
+        gathered
+            Formulas of lights, ``direct`` or ``ambient``, by which rays are sent on, too.  By ``direct`` a surface
+            sends on the irradiance of its rays, at most π times their radiance: a diffuser's albedo.
+        """
         total = sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
+        total += self.ambient if "ambient" in gathered else ZERO
+        if "direct" in gathered:
+            total += pi * (sympy.diff(self.direct, n_dot_l) if self.diffusing else self.direct)
         return total.xreplace({transmission: 1 - fresnel})
 
     @cached_property

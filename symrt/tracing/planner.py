@@ -150,6 +150,11 @@ class AtWork:
     bounded: tuple[Effect, ...]
     left_out: frozenset[str]
 
+    @property
+    def gathered(self) -> frozenset[str]:
+        """The formulas that lights meet by which rays are sent on, too."""
+        return frozenset(via for effect in (*self.simulated, *self.bounded) for via in effect.gathers)
+
 
 def at_work(chosen: Plan) -> AtWork:
     """Look up the records of a plan's effects; the plan itself holds words only, so that it can be sent and kept."""

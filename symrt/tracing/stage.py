@@ -14,6 +14,7 @@ from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.reflection.bounds import largest
+from symrt.reflection.models import LIT
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.lights import Answering, answering
@@ -47,6 +48,8 @@ class Stage:
     most
         For each material, upper bounds of the shares by which its formulas send on what further rays bring; 1 where
         more may be sent, or nothing is known.
+        For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so; those
+        that lights meet come last, and count only where an effect sends rays by them, too.
     """
 
     camera: Camera
@@ -142,7 +145,11 @@ def senders(scene: Scene, alternatives: Alternatives, via: str) -> tuple[str, ..
     >>> senders(load_scene(shipped_scene("spheres")), {"red": ["chrome"]}, "reflected")
     ('chrome', 'light_tile', 'dark_tile', 'red>chrome')
     """
-    sending = {m.name for m in scene.materials if via in m.reflection.sending}
+    sending = {
+        m.name
+        for m in scene.materials
+        if via in m.reflection.sending or (via in LIT and m.reflection.formulas[via] != 0)
+    }
     used = [m.name for m in scene.materials if m.name in scene.used_materials]
     others = (
         str(Surface(other, instead_of=name))
@@ -168,8 +175,8 @@ def refracting(scene: Scene, alternatives: Alternatives) -> tuple[str, ...]:
 
 
 def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, ...]]:
-    """The formulas by which each material's surfaces send rays on, those of its alternatives included."""
-    formulas = sorted({via for material in scene.materials for via in material.reflection.sending})
+    """The formulas by which each material's surfaces may send rays on, those of its alternatives included."""
+    formulas = (*sorted({via for material in scene.materials for via in material.reflection.sending}), *LIT)
     found: dict[str, tuple[str, ...]] = {}
     for via in formulas:
         for place in dict.fromkeys(Surface.of(name).place for name in senders(scene, alternatives, via)):

@@ -20,6 +20,7 @@ from symrt.geometry.box import Box
 from symrt.geometry.meeting import leaving_of, nearest, surfaces
 from symrt.geometry.rays import Hits, Rays
 from symrt.geometry.triangle_mesh import TriangleMesh
+from symrt.reflection.models import LIT
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import CARRIED, Sent
@@ -83,7 +84,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
         lights=stage.remembered,
         window=(x0, y0, x1, y1),
         film=film,
-        sending=stage.sending,
+        sending=_sending(stage, effects),
         plan=chosen,
         rays=dict(count),
         seconds=time.perf_counter() - start,
@@ -137,6 +138,13 @@ def _parted(sent: Sent, state: State, tolerance: float) -> tuple[list[Sent], lis
     if enough.all():
         return [sent], []
     return [sent.of(np.flatnonzero(enough))] if enough.any() else [], [sent.of(np.flatnonzero(~enough))]
+
+
+def _sending(stage: Stage, effects: AtWork) -> dict[str, tuple[str, ...]]:
+    """The formulas by which each material's surfaces send rays on: of those that lights meet, the ones effects use."""
+    unused = {*LIT} - effects.gathered
+    chosen = {place: tuple(via for via in formulas if via not in unused) for place, formulas in stage.sending.items()}
+    return {place: formulas for place, formulas in chosen.items() if formulas}
 
 
 def _branch(sent: Sent) -> Branch:

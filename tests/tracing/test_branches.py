@@ -15,7 +15,7 @@ import pytest
 import sympy
 from linear.test_formulas import at_50_digits
 from scenes_for_tests import camera, every_scene, mirrors, small
-from tracing.toys import BACK, EMBER, GLASS, MIRRORED, SCATTER, Twin
+from tracing.toys import BACK, EMBER, GATHER, GLASS, MIRRORED, SCATTER, Twin
 
 import symrt as rt
 from symrt.tracing import effects
@@ -59,6 +59,25 @@ def test_a_furnace_of_two_branches_is_the_geometric_series(depth):
     np.testing.assert_allclose(image.values, (1 - share ** (depth + 1)) / (1 - share), rtol=1e-13)
     assert np.all(image.cut_off >= rest * (1 - 1e-12))
     assert np.all(image.cut_off <= 1.01 * rest)
+
+
+@pytest.mark.parametrize("depth", [0, 1, 3])
+@pytest.mark.parametrize("model", ["lambert", ["lambert", "mirror"]])
+def test_light_gathered_by_a_formula_of_lights_counts_in_the_certificate(monkeypatch, model, depth):
+    # Of every ray a diffuser sends on its albedo ρ, and a mirror beside it m of another: the rest is a series.
+    monkeypatch.setattr(effects, "EFFECTS", (*effects.EFFECTS, GATHER))
+    scene = furnace(depth)
+    scene = replace(scene, materials=[rt.Material("wall", model=model)])
+    system = rt.collapse(rt.trace(scene))
+    mirror = {"wall.mirror": 0.04} if isinstance(model, list) else {}
+    for share in (0.3, 0.5, 0.7, 0.9, 0.95):
+        palette = rt.Palette(rt.RGB, {"lamp": 4 * np.pi, "wall.diffuse": share} | mirror)
+        image, sent = rt.shade(system, palette), share + sum(mirror.values())
+        missing = share * sent ** (depth + 1) / (1 - sent)
+        np.testing.assert_allclose(image.values, share / (1 - sent) - missing, rtol=1e-13)
+        # The lamp's bound is of a surface that is white: by 1/ρ it is too large, and by nothing else.
+        assert np.all(image.cut_off >= missing)
+        np.testing.assert_allclose(image.cut_off / missing, 1 / share, rtol=0.01)
 
 
 @pytest.mark.usefixtures("glass")

@@ -53,6 +53,13 @@ def _scatter(_stage, view, _points):
     )
 
 
+def _gather(_stage, view, _points):
+    """One ray for all of the half-space, aslant, of the weight that makes its irradiance π times its radiance."""
+    aslant = normalise(view.shading_normal + np.array(LEANING)[:, None])
+    cosines = factors(["n_dot_l"], view.shading_normal, view.viewer, aslant)
+    return (_sent("direct", view, np.arange(view.slot.size), aslant, np.pi / cosines["n_dot_l"], cosines),)
+
+
 def _sent(via, view, hit, direction, weight, factors=None, **state):
     surface = view.surface
     rays = spawn(surface.point[:, hit], view.normal[:, hit], surface.error[hit], normalise(direction))
@@ -93,7 +100,8 @@ GLASS = Effect(
     onwards=_glass,
     state={"bounces": 0},
 )
-SCATTER = Effect("toy scatter", always, onwards=_scatter)
+SCATTER = Effect("toy scatter", always, onwards=_scatter, gathers=("direct",))
+GATHER = Effect("toy gathering", always, onwards=_gather, gathers=("direct",))
 EMBER = Effect("embers", always, emitted=_glow)
 GLOW = Effect("glow", always, emitted=_facing_glow)
 UNEVEN = Effect("uneven film", always, film=_uneven)

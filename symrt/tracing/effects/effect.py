@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -62,7 +63,8 @@ class Sent:
     hit
         The hit that each ray leaves from, ascending.
     weight
-        A further share of each ray; over the rays that a hit sends by one formula the weights sum to at most 1.
+        A further share of each ray.  Over the rays that a hit sends by one formula the weights sum to at most 1; by
+        ``direct``, which tells radiance per irradiance, each times the ray's n·l, and they sum to at most π.
     factors
         Cosines of each ray's own direction, where the formula names any.
     state
@@ -130,6 +132,8 @@ class Effect:
         The light that hits send to the viewer by themselves.
     onwards
         The rays that hits send on.
+    gathers
+        Formulas that lights meet, by which `onwards` sends rays on as well: certificates are to count them.
     state
         Names of the values that it keeps for each ray, with those that the camera's rays start with.
     """
@@ -144,4 +148,5 @@ class Effect:
     figures: bool = False
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
+    gathers: tuple[Literal["direct", "ambient"], ...] = ()
     state: Mapping[str, float | int] = field(default_factory=dict)
