@@ -12,8 +12,10 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
+from symrt.counts import Count, Counts
 from symrt.errors import plain, shown
 from symrt.estimates import Estimate
+from symrt.headers import count_of, list_of, number_of, size_of, table_of, text_of
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
@@ -81,6 +83,11 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         header["subtracting"] = list(system.subtracting)
     if system.errors:
         header["errors"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.errors.items()}
+    if system.counts.effects:
+        header["counts"] = {
+            "pixels": system.counts.pixels,
+            "effects": [[n, c.rays, c.seconds, c.pixels, dict(c.ways)] for n, c in system.counts.effects.items()],
+        }
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -116,7 +123,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
     interactions = _interactions(header["interactions"])
     tail = None if header["tail"] is None else _interactions(header["tail"])
     reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
-    height, width = _count(header["height"]), _count(header["width"])
+    height, width = count_of(header["height"]), count_of(header["width"])
 
     # Both matrices, and all that is said of them.
     bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
@@ -127,14 +134,15 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         interactions=interactions,
         height=height,
         width=width,
-        white={name: float.fromhex(_text(v)) for name, v in _table(header["white"])},
-        models={name: _text(v) for name, v in _table(header["models"])},
+        white={name: float.fromhex(text_of(v)) for name, v in table_of(header["white"])},
+        models={name: text_of(v) for name, v in table_of(header["models"])},
         parameters=_parameters(header["parameters"]),
         tail=None if tail is None else Tail(bound, tail, reflected, passed),
-        seconds={name: _number(v) for name, v in _table(header["seconds"])},
+        seconds={name: number_of(v) for name, v in table_of(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
-        subtracting=tuple(map(_text, _list(header.get("subtracting", [])))),
-        errors={name: _estimate(*_list(row)) for name, row in _table(header.get("errors", {}))},
+        subtracting=tuple(map(text_of, list_of(header.get("subtracting", [])))),
+        errors={name: _estimate(*list_of(row)) for name, row in table_of(header.get("errors", {}))},
+        counts=_counts(header["counts"]) if "counts" in header else Counts(),
     )
 
     # Parts that fit each other.
@@ -169,6 +177,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
         ("parameter", system.parameters, OF_MATERIAL),
         ("parameter", sorted({name for by in system.interpolated.values() for name in by}), OF_MATERIAL),
         ("step", system.seconds, NAME),
+        ("formula", sorted({way for count in system.counts.effects.values() for way in count.ways}), NAME),
     ):
         yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
 
@@ -177,6 +186,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
     yield from (f"no light is called {shown(name)}" for name in system.errors if name not in system.white)
     yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
+    yield from (f"an effect is called {shown(n)}" for n in system.counts.effects if plain(n) != n or len(n) > LONGEST)
     for name, text in system.models.items():
         if plain(text) != text or len(text) > LONGEST:
             yield f"the model of {name} is {shown(text)}, not a line of formulas"
@@ -216,6 +226,9 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     for name, error in system.errors.items():
         if error.count < 0 or not 0 <= error.rms <= error.largest < np.inf:
             yield f"the error of {name} is {error}: not numbers from 0, the largest last"
+    for name, count in system.counts.effects.items():
+        if not 0 <= count.seconds < np.inf:
+            yield f"the seconds of {name} are {count.seconds}: not a number from 0"
     if not np.all(np.isfinite(system.G.data)):
         yield "the coefficients of G are not finite float64 numbers"
     # A bound on what was cut off may be infinite: nothing is known then.
@@ -226,7 +239,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", *KEYS}
+    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", "counts", *KEYS}
     if unknown := (set(header) - known) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 
@@ -234,25 +247,26 @@ def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> 
 def _parameters(rows: list[Any]) -> dict[str, Nodes]:
     found = {}
     for name, low, high, count, scale in rows:
-        if _text(name) in found:
+        if text_of(name) in found:
             raise ValueError(f"two parameters are called {shown(name)}")
         if not OF_MATERIAL.fullmatch(name):
             raise ValueError(f"a parameter is called {shown(name)}")
-        found[name] = Nodes(name, float.fromhex(_text(low)), float.fromhex(_text(high)), _count(count), _text(scale))  # type: ignore[arg-type]  # Nodes checks it
+        ends = float.fromhex(text_of(low)), float.fromhex(text_of(high))
+        found[name] = Nodes(name, *ends, count_of(count), text_of(scale))  # type: ignore[arg-type]  # Nodes checks it
     return found
 
 
 def _interpolated(rows: list[Any], interactions: tuple[Interaction, ...]) -> dict[Interaction, tuple[str, ...]]:
     found = {}
-    for place, names in _list(rows):
-        if _count(place) >= len(interactions) or interactions[place] in found:
+    for place, names in list_of(rows):
+        if count_of(place) >= len(interactions) or interactions[place] in found:
             raise ValueError(f"column {place} was interpolated, and is not there, or is named twice")
-        found[interactions[place]] = tuple(map(_text, _list(names)))
+        found[interactions[place]] = tuple(map(text_of, list_of(names)))
     return found
 
 
 def _estimate(count: Any, rms: Any, largest: Any) -> Estimate:
-    return Estimate(_count(count), float.fromhex(_text(rms)), float.fromhex(_text(largest)))
+    return Estimate(count_of(count), float.fromhex(text_of(rms)), float.fromhex(text_of(largest)))
 
 
 def _row(interaction: Interaction) -> list[Any]:
@@ -261,29 +275,43 @@ def _row(interaction: Interaction) -> list[Any]:
     return [*row, [float(nm).hex() for nm in interaction.window]] if interaction.window else row
 
 
+def _counts(record: Any) -> Counts:
+    found = dict(table_of(record))
+    rows = [list_of(row) for row in list_of(found["effects"])]
+    effects = {text_of(name): _effect_count(*row) for name, *row in rows}
+    if set(found) != {"effects", "pixels"} or len(effects) < len(rows):
+        raise ValueError("the counts of effects are of two effects of one name, or of something else")
+    return Counts(effects, count_of(found["pixels"]))
+
+
+def _effect_count(rays: Any, seconds: Any, pixels: Any, ways: Any) -> Count:
+    by = {text_of(name): size_of(number) for name, number in table_of(ways)}
+    return Count(size_of(rays), number_of(seconds), None if pixels is None else count_of(pixels), by)
+
+
 def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
     return tuple(
         Interaction(
-            _text(light),
-            tuple(map(_text, _list(met))),
-            tuple((_text(name), _count(j)) for name, j in _list(nodes)),
+            text_of(light),
+            tuple(map(text_of, list_of(met))),
+            tuple((text_of(name), count_of(j)) for name, j in list_of(nodes)),
             _window(*window),
         )
-        for light, met, nodes, *window in map(_list, _list(rows))
+        for light, met, nodes, *window in map(list_of, list_of(rows))
     )
 
 
 def _window(parts: Any = None) -> Window | tuple[()]:
     if parts is None:
         return EVERYWHERE
-    low, centre, high = (float.fromhex(_text(part)) for part in _list(parts))
+    low, centre, high = (float.fromhex(text_of(part)) for part in list_of(parts))
     return Window(low, centre, high)
 
 
 def _shares(rows: list[Any]) -> tuple[Shares, ...]:
     return tuple(
-        tuple((tuple(map(_text, _list(met))), float.fromhex(_text(c))) for met, c in _list(shares))
-        for shares in _list(rows)
+        tuple((tuple(map(text_of, list_of(met))), float.fromhex(text_of(c))) for met, c in list_of(shares))
+        for shares in list_of(rows)
     )
 
 
@@ -301,33 +329,3 @@ def _matrix(arrays: dict[str, np.ndarray], name: str, rows: int, columns: int) -
     if len(indices) and not (indices.min() >= 0 and indices.max() < columns):
         raise ValueError(f"{name} has coefficients outside its {columns} columns")
     return sparse.csr_array((data, indices, indptr), shape=(rows, columns))
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{shown(value)} is not a text")  # noqa: TRY004 -- what a file says
-    return value
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{shown(value)} is not a number")  # noqa: TRY004 -- as above
-    return float(value)
-
-
-def _count(value: Any) -> int:
-    if type(value) is not int or not 0 <= value < 1 << 31:
-        raise ValueError(f"{shown(value)} is not a whole number from 0")
-    return value
-
-
-def _list(value: Any) -> list[Any]:
-    if not isinstance(value, list):
-        raise ValueError(f"{shown(value)} is not a list")  # noqa: TRY004 -- as above
-    return value
-
-
-def _table(value: Any) -> Iterator[tuple[str, Any]]:
-    if not isinstance(value, dict):
-        raise ValueError(f"{shown(value)} is not a table")  # noqa: TRY004 -- as above
-    yield from value.items()

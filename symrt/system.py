@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
+from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
@@ -81,6 +82,8 @@ class LinearSystem:
         Materials whose models may subtract, as one with an F82 does.
     errors
         For each light whose share that is seen was estimated, the error of that share over all lit points.
+    counts
+        The rays, the pixels and the time of each effect that was simulated.
     """
 
     G: sparse.csr_array
@@ -95,6 +98,7 @@ class LinearSystem:
     interpolated: Mapping[Interaction, tuple[str, ...]] = field(default_factory=dict)
     subtracting: tuple[str, ...] = ()
     errors: Mapping[str, Estimate] = field(default_factory=dict)
+    counts: Counts = field(default_factory=Counts)
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -339,4 +343,5 @@ class LinearSystem:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))
         rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
         table = html_table(("interaction", "degree", "pixels"), rows)
-        return f"<p>{self.width} × {self.height} pixels{self._erring()}</p>{table}"
+        counts = self.counts._repr_html_() if self.counts.effects else ""
+        return f"<p>{self.width} × {self.height} pixels{self._erring()}</p>{table}{counts}"

@@ -93,8 +93,13 @@ def _save(out: Path, system: "LinearSystem", as_json: bool) -> None:
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     record |= {"errors": {light: asdict(error) for light, error in system.errors.items()}}
+    record |= {"counts": {name: asdict(count) for name, count in system.counts.effects.items()}}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
-    say(json_text(record | {"seconds": dict(system.seconds)}) if as_json else f"{out}: {system!r}; {seconds}")
+    if as_json:
+        say(json_text(record | {"seconds": dict(system.seconds)}))
+    else:
+        say(f"{out}: {system!r}; {seconds}")
+        say(str(system.counts), err=True)
 
 
 def _workers(word: str | None) -> "Workers":

@@ -102,6 +102,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         subtracting=limits.subtracting,
         tail=Tail(*assemble(found.tail, tree.width * tree.height), reflected, passed),
         errors=tree.errors,
+        counts=tree.counts,
     )
 
 

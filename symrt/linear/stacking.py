@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
+from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.interactions import Interaction
 from symrt.system import LinearSystem, Tail
@@ -25,6 +26,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
     cut = Tail(sparse.csr_array((0, 0)))
     spent: dict[str, float] = {}
     errors: dict[str, Estimate] = {}
+    counts = Counts()
     for system in systems:
         if first is None:
             # What all have in common; of the first one's matrices nothing is kept.
@@ -36,6 +38,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         bound.add(tail.bound, tail.interactions)
         for step, seconds in system.seconds.items():
             spent[step] = spent.get(step, 0.0) + seconds
+        counts = counts.joined(system.counts)
         for light, error in system.errors.items():
             errors[light] = errors[light].joined(error) if light in errors else error
     if first is None:
@@ -51,6 +54,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         tail=replace(cut, bound=unseen, interactions=missing),
         seconds=spent,
         errors=dict(sorted(errors.items())),
+        counts=counts,
     )
 
 

@@ -1,13 +1,13 @@
 """The points of a level: each hit's materials, and the geometric factors that their formulas name (step 1)."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from symrt.arrays import dot
+from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL, VIEW
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.lights import Answering, Illumination
@@ -16,6 +16,7 @@ from symrt.tracing.factors import factors
 from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
 from symrt.tracing.stage import Stage
+from symrt.tracing.tally import Tally
 from symrt.tracing.view import View
 
 Shares = Sequence[tuple[str, tuple[np.ndarray, np.ndarray]]]
@@ -49,18 +50,24 @@ class Reached:
     error: Float[np.ndarray, " reached"] | None = None
     diffusing: bool | None = None
 
+    def meets(self, model: Model) -> bool:
+        """True if the model has a formula for the light, and the sample is for models of its kind."""
+        kind = self.diffusing is None or self.diffusing == model.diffusing
+        return kind and bool(model.formulas[self.light.via] != 0)
 
-def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tuple[Points, ...]:
+
+def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
     # The hits that each sample of each light reaches.
-    shares = sorted(_shares(stage, effects, view).items())
+    shares = sorted(_shares(stage, effects, view, tally).items())
+    asking = _asking(stage, shares, view.slot.size)
     reached = []
     for light in stage.lights:
         if isinstance(light, AreaLight):
-            reached += _reached_from(stage, effects, light, view, shares, count)
+            reached += _reached_from(stage, effects, light, view, shares, tally)
         else:
             samples = light.samples(view.surface.point)
-            reached += [_reached(stage, effects, light, sample, view, count) for sample in samples]
+            reached += [_reached(stage, effects, light, sample, view, asking, tally) for sample in samples]
 
     # The points of each material, and again for each of its alternatives.
     found = []
@@ -70,25 +77,37 @@ def points(stage: Stage, effects: AtWork, view: View, count: Counter[str]) -> tu
             model = stage.materials[name].model
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
 
-            # The light on them, unless the model has no formula for it.
-            lit, cut = [], []
-            for one in reached:
-                if model.formulas[one.light.via] == 0:
-                    continue
-                if one.diffusing is not None and one.diffusing != model.diffusing:
-                    continue
-                arriving = _lit(view, one, hit, model.factors - FRESNEL)
-                # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
-                if one.light.calls_for not in effects.left_out:
-                    lit.append(arriving)
-                if one.bounded:
-                    cut.append(arriving)
-            found.append(Points(name, hit, weight, tuple(lit), seen, tuple(cut)))
+            # The light on them, where the model has a formula for it.
+            met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in reached if one.meets(model)]
+            for one, arriving in met:
+                if one.light.calls_for:
+                    tally.touch(one.light.calls_for, view.sample[hit[arriving.point]])
+
+            # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
+            lit = tuple(arriving for one, arriving in met if one.light.calls_for not in effects.left_out)
+            cut = tuple(arriving for one, arriving in met if one.bounded)
+            found.append(Points(name, hit, weight, lit, seen, cut))
     return tuple(found)
 
 
+def _asking(stage: Stage, shares: Shares, size: int) -> Bool[np.ndarray, " hit"]:
+    """True for hits with a material, or an alternative to one, that lights from a direction are reflected by."""
+    asking = np.zeros(size, dtype=bool)
+    for material, (hit, _) in shares:
+        others = (str(Surface(other, instead_of=material)) for other in stage.alternatives.get(material, ()))
+        if any(stage.materials[name].model.direct != 0 for name in (material, *others)):
+            asking[hit] = True
+    return asking
+
+
 def _reached(
-    stage: Stage, effects: AtWork, light: Answering, at: Illumination, view: View, count: Counter[str]
+    stage: Stage,
+    effects: AtWork,
+    light: Answering,
+    at: Illumination,
+    view: View,
+    asking: Bool[np.ndarray, " hit"],
+    tally: Tally,
 ) -> Reached:
     """The hits that one sample of a light reaches, and the share of it that effects let through."""
     # Light from everywhere reaches all hits.
@@ -97,9 +116,9 @@ def _reached(
         bounded = light.calls_for in effects.left_out
         return Reached(light, everywhere, None, at.falloff, np.ones(view.slot.size), bounded)
 
-    # The hits that the light faces, on the viewer's side of the surface and of its smoothed normal.
+    # The hits that ask and that the light faces, on the viewer's side of the surface and of its smoothed normal.
     above = (dot(view.normal, at.direction) > 0) & (dot(view.shading_normal, at.direction) > 0)
-    hit = np.flatnonzero(above & (at.falloff > 0))
+    hit = np.flatnonzero(above & asking & (at.falloff > 0))
     position = np.full(view.slot.size, -1)
     position[hit] = np.arange(hit.size)
 
@@ -109,8 +128,10 @@ def _reached(
     if light.shadows:
         for effect in effects.simulated:
             if effect.arriving is not None and effect.figures == figures:
-                passed = effect.arriving(stage, view, light, hit, at, count)
-                visible, error = visible * passed.share, passed.error
+                with tally.timed(effect.name):
+                    passed = effect.arriving(stage, view, light, hit, at, tally.rays)
+                    visible, error = visible * passed.share, passed.error
+                tally.touch(effect.name, view.sample[hit[passed.share < 1]])
     bounded = light.calls_for in effects.left_out or (
         light.shadows and any(effect.arriving is not None and effect.figures == figures for effect in effects.bounded)
     )
@@ -118,7 +139,7 @@ def _reached(
 
 
 def _reached_from(
-    stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares, count: Counter[str]
+    stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares, tally: Tally
 ) -> list[Reached]:
     """The hits that a light with an area reaches: diffusers as a whole, materials with highlights by its places."""
     # The hits of both kinds of material; a texture may blend them.
@@ -129,15 +150,14 @@ def _reached_from(
             if model.direct != 0:
                 needed[model.diffusing][hit] = True
 
-    # The light is dark for the hits that do not need it.
+    # Hits that do not need the light do not ask for it.
     found = []
     for diffusing, hits in needed.items():
         if hits.any():
             point = view.surface.point
             samples = (light.facing(point, view.shading_normal),) if diffusing else light.samples(point)
-            for sample in samples:
-                asked = replace(sample, falloff=np.where(hits, sample.falloff, 0.0))
-                found.append(replace(_reached(stage, effects, light, asked, view, count), diffusing=diffusing))
+            reached = (_reached(stage, effects, light, sample, view, hits, tally) for sample in samples)
+            found += [replace(one, diffusing=diffusing) for one in reached]
     return found
 
 
@@ -154,22 +174,30 @@ def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit
     return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found, error)
 
 
-def _shares(stage: Stage, effects: AtWork, view: View) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:
+def _shares(
+    stage: Stage, effects: AtWork, view: View, tally: Tally
+) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
         hit = np.flatnonzero(view.slot == slot)
-        for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit).items():
+        for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit, tally).items():
             present = share > 0
             parts.setdefault(material, []).append((hit[present], share[present]))
     return {name: _in_order(found) for name, found in parts.items() if any(hit.size for hit, _ in found)}
 
 
-def _materials_at(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
+def _materials_at(
+    stage: Stage, effects: AtWork, name: str, view: View, hit: Index, tally: Tally
+) -> Mapping[str, np.ndarray]:
     """Shares of the materials that a name stands for at some hits: those of a texture, or all of a material."""
     for effect in effects.simulated:
-        if effect.surface is not None and (blended := effect.surface(stage, name, view, hit)) is not None:
-            return blended
+        if effect.surface is not None:
+            with tally.timed(effect.name):
+                blended = effect.surface(stage, name, view, hit)
+            if blended is not None:
+                tally.touch(effect.name, view.sample[hit])
+                return blended
     return {name: np.ones(hit.size)}
 
 

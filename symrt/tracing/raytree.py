@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.reflection.models import Model
 from symrt.tracing.plan import Plan
@@ -229,6 +230,8 @@ class RayTree:
         The effects that were simulated, and those that were not.
     rays
         Number of rays cast, by effect.
+    counts
+        The rays, the pixels and the time of each effect that was simulated.
     """
 
     levels: tuple[Level, ...]
@@ -239,6 +242,7 @@ class RayTree:
     sending: Mapping[str, tuple[str, ...]]
     plan: Plan
     rays: Mapping[str, int] = field(default_factory=dict)
+    counts: Counts = field(default_factory=Counts)
     seconds: float = 0.0
 
     @property

@@ -28,9 +28,10 @@ from symrt.tracing.film import centres
 from symrt.tracing.plan import Plan
 from symrt.tracing.planner import AtWork, at_work, plan
 from symrt.tracing.points import points
-from symrt.tracing.raytree import Branch, Level, RayTree
+from symrt.tracing.raytree import Branch, Emitted, Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
-from symrt.tracing.view import Batch, State, look
+from symrt.tracing.tally import CAMERA, Tally
+from symrt.tracing.view import Batch, State, View, look
 
 Bounds = tuple[int, int, int, int]
 
@@ -73,11 +74,14 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     effects = at_work(chosen)
 
     # The film's samples, and a ray from the camera through each.
-    sampled = next((effect.film for effect in effects.simulated if effect.film is not None), centres)
+    sampling = next((effect for effect in effects.simulated if effect.film is not None), None)
+    sampled = centres if sampling is None or sampling.film is None else sampling.film
     film, rays = sampled(stage.camera, Window(x0, y0, x1 - x0, y1 - y0))
-    count = Counter(camera=film.pixel.size)
+    tally = Tally(film, (x1 - x0) * (y1 - y0), {one.name: one.acts for one in effects.simulated})
+    if sampling is not None:
+        tally.touch(sampling.name, np.flatnonzero(np.bincount(film.pixel)[film.pixel] > 1))
 
-    levels = _levels(stage, effects, rays, count, chosen.tolerance)
+    levels = _levels(stage, effects, rays, tally, chosen.tolerance)
     return RayTree(
         levels=levels,
         materials=stage.materials,
@@ -86,46 +90,66 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
         film=film,
         sending=_sending(stage, effects),
         plan=chosen,
-        rays=dict(count),
+        rays=dict(tally.rays),
+        counts=tally.counts(),
         seconds=time.perf_counter() - start,
     )
 
 
-def _levels(stage: Stage, effects: AtWork, rays: Rays, count: Counter[str], tolerance: float) -> tuple[Level, ...]:
+def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: float) -> tuple[Level, ...]:
     """The levels of the tree, from the camera's rays until none goes on."""
     size = rays.origin.shape[1]
     kept = {name: np.full(size, value) for effect in effects.simulated for name, value in effect.state.items()}
     batch = Batch(rays, np.arange(size), (), kept)
     levels: list[Level] = []
+    cast = Counter({CAMERA: size})
     while batch.sample.size:
-        # Where the rays of all branches end; those that meet nothing are dropped.
-        hits = nearest(stage.shapes, batch.rays)
-        found = np.flatnonzero(hits.shape >= 0)
-        batch, hits = batch.of(found), hits.of(found)
+        with tally.shared(cast):
+            # Where the rays of all branches end; those that meet nothing are dropped.
+            hits = nearest(stage.shapes, batch.rays)
+            found = np.flatnonzero(hits.shape >= 0)
+            batch, hits = batch.of(found), hits.of(found)
 
-        # The surfaces there, and the light that reaches them.
-        surface, leaving = surfaces(stage.shapes, batch.rays, hits), leaving_of(stage.shapes, hits)
-        view = look(surface, _slots_of(stage, hits), batch, leaving)
-        here = points(stage, effects, view, count)
-        emitted = tuple(one for effect in effects.simulated if effect.emitted for one in effect.emitted(stage, view))
+            # The surfaces there, and the light that reaches them.
+            surface, leaving = surfaces(stage.shapes, batch.rays, hits), leaving_of(stage.shapes, hits)
+            view = look(surface, _slots_of(stage, hits), batch, leaving)
+            here = points(stage, effects, view, tally)
+            emitted = _emitted(stage, effects, view, tally)
 
         # The rays that go on: followed until the depth is reached, cut off and bounded from there on.
+        cast = Counter()
         followed: list[Sent] = []
         cut = [one for effect in effects.bounded if effect.onwards for one in effect.onwards(stage, view, here)]
         for effect in effects.simulated:
             if effect.onwards is None:
                 continue
-            for sent in effect.onwards(stage, view, here):
-                enough, rest = _parted(sent, view.state, tolerance)
+            with tally.timed(effect.name):
+                sent = [_parted(one, view.state, tolerance) for one in effect.onwards(stage, view, here)]
+            for enough, rest in sent:
                 if len(levels) < stage.depth:
                     followed += enough
-                    count[effect.name] += sum(one.hit.size for one in enough)
+                    for one in enough:
+                        tally.sent(effect.name, one.via, view.sample[one.hit])
+                        cast[effect.name] += one.hit.size
                 else:
                     cut += enough
                 cut += rest
         levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))
         batch = _joined(batch, followed)
     return tuple(levels)
+
+
+def _emitted(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Emitted, ...]:
+    """The light that hits send to the viewer by themselves, by all effects."""
+    found: list[Emitted] = []
+    for effect in effects.simulated:
+        if effect.emitted is not None:
+            with tally.timed(effect.name):
+                sent = effect.emitted(stage, view)
+            for one in sent:
+                tally.touch(effect.name, view.sample[one.hit])
+            found += sent
+    return tuple(found)
 
 
 def _parted(sent: Sent, state: State, tolerance: float) -> tuple[list[Sent], list[Sent]]:

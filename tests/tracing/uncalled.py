@@ -59,7 +59,8 @@ def compared(scene):
     return {
         "same bits": all(np.array_equal(getattr(a, part), getattr(b, part)) for a, b in matrices for part in parts),
         "same rays": dict(whole[0].rays) == dict(cut[0].rays)
-        and set(whole[0].rays) <= {"camera", *(effect.name for effect in kept)},
+        and set(whole[0].rays) <= {"camera", *(effect.name for effect in kept)}
+        and list(whole[0].counts.effects) == ["camera", *(effect.name for effect in kept)],
         "more calls": whole[2] - cut[2],
         "more bytes": whole[3] - cut[3],
         "bytes": cut[3],

@@ -150,3 +150,9 @@ class Effect:
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     gathers: tuple[Literal["direct", "ambient"], ...] = ()
     state: Mapping[str, float | int] = field(default_factory=dict)
+
+    @property
+    def acts(self) -> bool:
+        """True if it has a function at some seam, where it is noted which pixels it touches."""
+        seams = (self.film, self.surface, self.arriving, self.emitted, self.onwards)
+        return any(seam is not None for seam in seams)
