@@ -88,6 +88,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
             "pixels": system.counts.pixels,
             "effects": [[n, c.rays, c.seconds, c.pixels, dict(c.ways)] for n, c in system.counts.effects.items()],
         }
+    if system.noise:
+        header["noise"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.noise.items()}
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -143,6 +145,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         subtracting=tuple(map(text_of, list_of(header.get("subtracting", [])))),
         errors={name: _estimate(*list_of(row)) for name, row in table_of(header.get("errors", {}))},
         counts=_counts(header["counts"]) if "counts" in header else Counts(),
+        noise={name: _estimate(*list_of(row)) for name, row in table_of(header.get("noise", {}))},
     )
 
     # Parts that fit each other.
@@ -184,7 +187,9 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     # Lights and materials that are there, each with a name of its own, and formulas of one line.
     yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
     yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
-    yield from (f"no light is called {shown(name)}" for name in system.errors if name not in system.white)
+    yield from (
+        f"no light is called {shown(name)}" for name in (*system.errors, *system.noise) if name not in system.white
+    )
     yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
     yield from (f"an effect is called {shown(n)}" for n in system.counts.effects if plain(n) != n or len(n) > LONGEST)
     for name, text in system.models.items():
@@ -223,7 +228,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Numbers that are not finite, or below 0 where light is counted."""
     for what, numbers in (("white", system.white), ("seconds", system.seconds)):
         yield from (f"the {what} of {n} is {v}: not a number from 0" for n, v in numbers.items() if not 0 <= v < np.inf)
-    for name, error in system.errors.items():
+    for name, error in (*system.errors.items(), *system.noise.items()):
         if error.count < 0 or not 0 <= error.rms <= error.largest < np.inf:
             yield f"the error of {name} is {error}: not numbers from 0, the largest last"
     for name, count in system.counts.effects.items():
@@ -239,7 +244,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", "counts", *KEYS}
+    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", "noise", "counts", *KEYS}
     if unknown := (set(header) - known) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 

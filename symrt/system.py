@@ -67,8 +67,7 @@ class LinearSystem:
         For each light of the scene, the coefficient of a perfect diffuser that stands at the camera's target, faces
         the light and is not shadowed.
     models
-        For each material, its model and the values of its parameters, as text: two materials with the same text
-        differ in spectra only.
+        For each material, its model and its parameters' values as text: with the same text, only spectra differ.
     parameters
         Nodes of each parameter that is still free.
     tail
@@ -76,14 +75,15 @@ class LinearSystem:
     seconds
         Time spent in each step.
     interpolated
-        For columns that `at` summed with negative weights, the parameters whose weights they were; without those that
-        had negative coefficients before.
+        For columns that `at` summed with negative weights, and that were not negative before: those parameters.
     subtracting
         Materials whose models may subtract, as one with an F82 does.
     errors
         For each light whose share that is seen was estimated, the error of that share over all lit points.
     counts
         The rays, the pixels and the time of each effect that was simulated.
+    noise
+        By light, if pixels are means of drawn samples: their error under reflectances of 1, as a share of its white.
     """
 
     G: sparse.csr_array
@@ -99,6 +99,7 @@ class LinearSystem:
     subtracting: tuple[str, ...] = ()
     errors: Mapping[str, Estimate] = field(default_factory=dict)
     counts: Counts = field(default_factory=Counts)
+    noise: Mapping[str, Estimate] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -337,7 +338,9 @@ class LinearSystem:
         return f"LinearSystem({self.width} × {self.height} pixels, {interactions}, {kept}{self._erring()})"
 
     def _erring(self) -> str:
-        return "".join(f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
+        errors = (f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
+        noise = (f"; the noise of {name} is {error} of its white" for name, error in self.noise.items())
+        return "".join((*errors, *noise))
 
     def _repr_html_(self) -> str:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))

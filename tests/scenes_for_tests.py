@@ -15,9 +15,9 @@ def every_scene() -> list[str]:
 
 
 def small(name: str, size: int, samples: int = 1) -> rt.Scene:
-    """A shipped scene with a film of size × size pixels."""
+    """A shipped scene with a film of size × size pixels, and few places on the lens if it has one."""
     scene = rt.load_scene(SCENES / f"{name}.toml")
-    return replace(scene, camera=replace(scene.camera, width=size, height=size, samples=samples))
+    return replace(scene, camera=replace(scene.camera, width=size, height=size, samples=samples, lens_samples=2))
 
 
 def palettes(name: str) -> dict[str, rt.Palette]:

@@ -46,7 +46,7 @@ def size_of(word: str, shape: tuple[int, int]) -> tuple[int, int]:
     >>> size_of("640x480", (1, 1)), size_of("512", (400, 300))
     ((640, 480), (512, 384))
     """
-    from symrt.scene.cameras import LARGEST  # noqa: PLC0415  # slow, and --help does not need it
+    from symrt.scene.camera_checks import LARGEST  # noqa: PLC0415  # slow, and --help does not need it
 
     found = re.fullmatch(r"([0-9]{1,5})(?:[x×]([0-9]{1,5}))?", word)
     if not found:

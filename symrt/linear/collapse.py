@@ -13,6 +13,7 @@ import numpy as np
 
 from symrt.errors import require
 from symrt.interactions import Interaction
+from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import Glowing, Lighted, Lost, ends
 from symrt.linear.products import Product, commuting, in_order
@@ -84,8 +85,12 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
             case Lost():
                 _bound_lost(found, end)
 
-    # G, its columns in canonical order, and the tail.
-    matrix, interactions = assemble(found.entries, tree.width * tree.height)
+    # G, its columns in canonical order, and the tail; where samples are drawn, of both halves of each pixel.
+    halves = tree.film.half is not None
+    rows = tree.width * tree.height * (2 if halves else 1)
+    (matrix, interactions), (bound, unseen) = assemble(found.entries, rows), assemble(found.tail, rows)
+    spread = noise(matrix, interactions, tree.white) if halves else {}
+    matrix, bound = (joined(matrix), joined(bound)) if halves else (matrix, bound)
     limits = program.limits
     reflected, passed = (
         tuple(shares for place in tree.sending if (place in limits.lit) == shone_on for shares in limits.sent[place])
@@ -100,9 +105,10 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         models=program.signatures,
         parameters=program.nodes,
         subtracting=limits.subtracting,
-        tail=Tail(*assemble(found.tail, tree.width * tree.height), reflected, passed),
+        tail=Tail(bound, unseen, reflected, passed),
         errors=tree.errors,
         counts=tree.counts,
+        noise=spread,
     )
 
 

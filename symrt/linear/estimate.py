@@ -88,7 +88,7 @@ def of_job(job: Job, workers: Workers = None, rows: tuple[int, int] | None = Non
     camera = job.stage.camera
     across = min(camera.width, max(1, round((COARSE * camera.width / camera.height) ** 0.5)))
     down = min(camera.height, max(1, COARSE // across))
-    stage = replace(job.stage, camera=replace(camera, width=across, height=down, samples=1))
+    stage = replace(job.stage, camera=replace(camera, width=across, height=down, samples=1, lens_samples=2))
     run(job.program, trace_window(stage, job.plan))
     start = time.perf_counter()
     tree = trace_window(stage, job.plan)
@@ -97,15 +97,15 @@ def of_job(job: Job, workers: Workers = None, rows: tuple[int, int] | None = Non
 
     # As much for each sample, and for each pixel, of the picture.
     pixels = camera.width * (camera.height if rows is None else rows[1] - rows[0])
-    samples, coarse = pixels * camera.rays_a_pixel, across * down
-    entries = (system.G.nnz + (system.tail.bound.nnz if system.tail else 0)) * pixels / coarse
+    samples, coarse = pixels * camera.rays_a_pixel, across * down * stage.camera.rays_a_pixel
+    entries = (system.G.nnz + (system.tail.bound.nnz if system.tail else 0)) * pixels / (across * down)
     in_tiles = min(SAMPLES * job.plan.rays_a_sample, RAYS, samples * job.plan.rays_a_sample)
     working = workers if isinstance(workers, int) else processors()
     programs = 1 + working if workers == "processes" else 1
     return Estimate(
         pixels=pixels,
         rays=round(sum(tree.rays.values()) * samples / coarse),
-        coefficients=round(system.G.nnz * pixels / coarse),
+        coefficients=round(system.G.nnz * pixels / (across * down)),
         memory=round(START * programs + AN_ENTRY * entries + A_PIXEL * pixels + working * A_RAY * in_tiles),
         seconds=spent * samples / coarse,
     )

@@ -20,6 +20,8 @@ from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
 from symrt.windows import Window
 
+MANY = 24
+"""Most letters of a pixel's film samples that are shown one by one; of more the ranges are."""
 Spectra = Mapping[str, float | Float[np.ndarray, " band"]]
 
 
@@ -29,6 +31,11 @@ class Formula:
 
     The expression and its Python code keep every digit; text and LaTeX drop digits, and count the terms that they
     leave out.
+
+    Parameters
+    ----------
+    samples
+        Of a pixel with several film samples, for each letter the same one without the sample's mark.
 
     Examples
     --------
@@ -43,6 +50,7 @@ class Formula:
 
     expression: sympy.Expr
     values: Mapping[str, float] = field(default_factory=dict)
+    samples: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -126,8 +134,23 @@ class Formula:
     def __str__(self) -> str:
         if self.expression == 0:
             return "0\n  nothing is seen here that light reaches"
+        if len(self.samples) > MANY:
+            return self._averaged()
         letters = ", ".join(f"{name} = {value:.4g}" for name, value in self.letters.items())
         return self.text() + (f"\n  where {letters}" if letters else "")
+
+    def _averaged(self) -> str:
+        """Terms that are alike but for their samples as one, and the range of each letter over the samples."""
+        alike = Formula(self.expression.xreplace({Factor(a): Factor(b) for a, b in self.samples.items()}))
+        found: dict[str, list[float]] = {}
+        for name, value in self.letters.items():
+            found.setdefault(self._bare[name], []).append(value)
+        letters = ", ".join(f"{name} = {_range(values)}" for name, values in found.items())
+        return f"{alike.text()}\n  in the mean over the pixel's samples, where {letters}"
+
+    @property
+    def _bare(self) -> dict[str, str]:
+        return {a.removeprefix(ONE_MINUS): b.removeprefix(ONE_MINUS) for a, b in self.samples.items()}
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex()}$"
@@ -154,9 +177,10 @@ def formula(source: object, x: Any, y: Any) -> Formula:  # noqa: ARG001 -- the r
 
 @formula.register
 def _(source: RayTree, x: Any, y: Any) -> Formula:
-    expression, values = tree_expression(source, _checked_pixel(x, y, source.width, source.height))
+    expression, letters = tree_expression(source, _checked_pixel(x, y, source.width, source.height))
     held = {symbol.name for symbol in expression.free_symbols if isinstance(symbol, Factor)}
-    return Formula(expression, {name: value for name, value in values.items() if name in held})
+    samples = {name: bare for name, bare in letters.alike.items() if name in held and bare != name}
+    return Formula(expression, {name: v for name, v in letters.values.items() if name in held}, samples)
 
 
 @formula.register
@@ -205,6 +229,12 @@ def expressions(tree: RayTree) -> Expressions:
     12
     """
     return Expressions(tree)
+
+
+def _range(values: list[float]) -> str:
+    """Numbers as the first and the last of them, or as the one that all are."""
+    low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+    return low if low == high else f"{low} … {high}"
 
 
 def _checked_pixel(x: Any, y: Any, width: int, height: int) -> int:

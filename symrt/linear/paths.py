@@ -88,6 +88,8 @@ class Pairs:
         Index of the thing in each pair.
     product
         Index into `products` of the reflectances that the path met.
+    pixel
+        The pixel that the path comes from, or its row among the halves of pixels, `Film.row`.
     value
         The number that the path carries, times the thing's own.
     """
@@ -136,7 +138,7 @@ def ends(program: Program, tree: RayTree, product: Product) -> Iterator[Lighted 
     paths = from_the_eye(tree.levels[0], tree.film) if tree.levels else NOWHERE
     for level, below in zip_longest(tree.levels, tree.levels[1:]):
         # Light that reaches the eye from this level, and light of rays that were cut off there.
-        pixel = tree.film.pixel[level.sample]
+        pixel = tree.film.row[level.sample]
         yield from _lights(level, paths, pixel)
         for branch in level.cut:
             for part in passing(program, level, branch, paths):

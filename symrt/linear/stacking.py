@@ -27,6 +27,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
     spent: dict[str, float] = {}
     errors: dict[str, Estimate] = {}
     counts = Counts()
+    noise: dict[str, Estimate] = {}
     for system in systems:
         if first is None:
             # What all have in common; of the first one's matrices nothing is kept.
@@ -39,8 +40,9 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         for step, seconds in system.seconds.items():
             spent[step] = spent.get(step, 0.0) + seconds
         counts = counts.joined(system.counts)
-        for light, error in system.errors.items():
-            errors[light] = errors[light].joined(error) if light in errors else error
+        for whole, part in ((errors, system.errors), (noise, system.noise)):
+            for light, error in part.items():
+                whole[light] = whole[light].joined(error) if light in whole else error
     if first is None:
         raise ValueError("no system was given: give those of all the picture's rows")
     G, interactions = matrix.matrix()  # noqa: N806 -- the equation's own name
@@ -55,6 +57,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         seconds=spent,
         errors=dict(sorted(errors.items())),
         counts=counts,
+        noise=dict(sorted(noise.items())),
     )
 
 

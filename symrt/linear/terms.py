@@ -4,6 +4,7 @@ A hit sends on ``Σ weight · (Σ light · irradiance · visible · direct + Σ 
 last sum over the rays that it sends on, each by one formula of its material.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -23,11 +24,12 @@ class Letters:
     """The letters of one pixel's formula and their values; two places never share a letter.
 
     The places are kept as they were told, in parts: the light ``sun`` one bounce deep and the light ``sun_2`` at the
-    eye would read alike.
+    eye would read alike.  `alike` has, for each letter of a film sample, the letter without the sample's mark.
     """
 
     values: dict[str, float] = field(default_factory=dict)
     places: dict[tuple[str, ...], str] = field(default_factory=dict)
+    alike: dict[str, str] = field(default_factory=dict)
 
     def letter(self, stem: str, value: float, *place: str) -> Factor:
         """Name the factor `stem` at a place, such as ``n_dot_l`` at ``sun`` and ``2``, and keep its value."""
@@ -37,6 +39,9 @@ class Letters:
             while name in self.values:
                 name += "_"
             self.places[stem, *place] = name
+            # A place closes with its sample, where there are several.
+            bare = (stem, *place[:-1], re.sub(r"(^|_)s\d+$", "", place[-1]) if place else "")
+            self.alike[name] = "_".join(part for part in bare if part)
         self.values[name] = float(value)
         return Factor(name)
 
@@ -65,8 +70,8 @@ class Place:
         return Place(self.depth + 1, self.trail + mark, self.sample)
 
 
-def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, float]]:
-    """The radiance of a pixel in lights, reflectances and geometric letters, and the letters' values."""
+def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, Letters]:
+    """The radiance of a pixel in lights, reflectances and geometric letters, and the letters."""
     if len(tree.levels) > DEEPEST:
         raise ValueError(
             f"{len(tree.levels) - 1} bounces are too many for one formula in letters, at most {DEEPEST - 1} nest; "
@@ -74,7 +79,7 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
         )
     letters = Letters()
     if not tree.levels:
-        return sympy.Integer(0), {}
+        return sympy.Integer(0), letters
 
     # Each of the pixel's film samples that met something.
     samples = np.flatnonzero(tree.film.pixel == pixel)
@@ -87,8 +92,8 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, dict[str, fl
 
     # Samples that count alike are averaged; others come with their weights.
     if np.all(weights == 1 / samples.size):
-        return sympy.Add(*(radiance for _, radiance in radiances)) / samples.size, letters.values
-    return sympy.Add(*(number(weights[k]) * radiance for k, radiance in radiances)), letters.values
+        return sympy.Add(*(radiance for _, radiance in radiances)) / samples.size, letters
+    return sympy.Add(*(number(weights[k]) * radiance for k, radiance in radiances)), letters
 
 
 def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.Expr:

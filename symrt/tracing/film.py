@@ -20,7 +20,7 @@ def regular(camera: Camera, window: Window) -> tuple[Film, Rays]:
     ([0, 0, 0, 0, 1, 1, 1, 1], 0.25)
     """
     rays = camera_rays(camera, window)
-    count, each = rays.origin.shape[1], camera.rays_a_pixel
+    count, each = rays.origin.shape[1], camera.samples**2
     return Film(np.arange(count) // each, np.full(count, 1 / each)), rays
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from symrt.errors import refuse, require, shown, suggestion
-from symrt.geometry.rays import encloses
+from symrt.geometry.rays import clearance, encloses
 from symrt.scene.records import Scene
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import CARRIED, Call, Effect
@@ -80,6 +80,8 @@ def _remarks(scene: Scene) -> Iterator[str]:
         kind = getattr(shape, "type", "mesh")
         if eye:
             yield f"The camera is inside shapes[{index}], a {kind}: it sees what is inside, and its inner side."
+        if scene.camera.lens_diameter > 2 * clearance(shape, np.array(scene.camera.position, dtype=float)):
+            yield f"The lens reaches into shapes[{index}], a {kind}: from there it sees past its surface."
 
         # Walls let nothing through: a light and the camera on two sides of one see nothing of each other.
         for light in scene.lights:

@@ -95,7 +95,9 @@ def probe(scene: Scene, rays: int = 4096) -> Probe:
     # A film of about so many pixels, in the same proportions.
     camera = scene.camera
     across = max(1, round((rays * camera.width / camera.height) ** 0.5))
-    coarse = replace(camera, width=across, height=max(1, round(across * camera.height / camera.width)), samples=1)
+    coarse = replace(
+        camera, width=across, height=max(1, round(across * camera.height / camera.width)), samples=1, lens_samples=2
+    )
     tree = trace(replace(scene, camera=coarse))
 
     # Light by light, material by material; names decide between meetings of equal frequency.

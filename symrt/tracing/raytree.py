@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from symrt.counts import Counts
 from symrt.estimates import Estimate
@@ -172,10 +172,19 @@ class Film:
         The pixel of the window, along rows from the top left, that each sample belongs to, ascending.
     weight
         Weight of each sample; over a pixel the weights sum to 1.
+    half
+        Where samples are drawn, the half of its pixel's samples that each belongs to, of the same weight as the other:
+        what the halves differ by tells the noise of the picture.
     """
 
     pixel: Int[np.ndarray, " sample"]
     weight: Float[np.ndarray, " sample"]
+    half: Bool[np.ndarray, " sample"] | None = None
+
+    @property
+    def row(self) -> Int[np.ndarray, " sample"]:
+        """The pixel of each sample or, where there are halves, the row of its half if each pixel has two."""
+        return self.pixel if self.half is None else 2 * self.pixel + self.half
 
 
 @dataclass(frozen=True, eq=False)

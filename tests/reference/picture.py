@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from reference.files import load, load_palette
+from reference.lenses import through_a_lens
 from reference.records import Sample, Scene, Spectrum, Table
 from reference.tracer import radiance
-from reference.vectors import Vector, add, cross, scale, sub, unit
+from reference.vectors import Vector, add, cross, dot, scale, sub, unit
 
 
 def render(path: str | Path, palette: str, width: int, height: int) -> list[list[Spectrum]]:
@@ -22,21 +23,27 @@ def picture(scene: Scene, spectra: Mapping[str, Spectrum], width: int, height: i
 
 def pixel(scene: Scene, spectra: Mapping[str, Spectrum], x: int, y: int, width: int, height: int) -> Spectrum:
     """Radiance of the pixel in column `x` and row `y`, both from 0: the mean over its samples."""
-    samples = scene.film(x, y) if scene.film else regular(x, y, scene.camera.get("samples", 1))
+    n = scene.camera.get("samples", 1)
+    samples = scene.film(x, y) if scene.film else regular(x, y, n)
+    if scene.camera.get("aperture", 0):
+        places = 2 * math.ceil(scene.camera.get("lens_samples", 64) / n**2 / 2)
+        samples = through_a_lens(samples, places, y * width + x)
     total = [0.0] * len(next(iter(spectra.values())))
     for sample in samples:
-        ray = camera_ray(scene.camera, sample.across / width, sample.down / height, width, height)
+        ray = camera_ray(scene.camera, sample.across / width, sample.down / height, width, height, sample.lens)
         seen = radiance(scene, spectra, *ray, scene.depth)
         total = [a + sample.weight * b for a, b in zip(total, seen, strict=True)]
     return total
 
 
 def regular(x: int, y: int, n: int) -> list[Sample]:
-    """The middles of the n × n parts of a pixel, all of one weight."""
-    return [Sample(x + (i + 0.5) / n, y + (j + 0.5) / n, 1 / n**2) for i in range(n) for j in range(n)]
+    """The middles of the n × n parts of a pixel, along its rows, all of one weight."""
+    return [Sample(x + (i + 0.5) / n, y + (j + 0.5) / n, 1 / n**2) for j in range(n) for i in range(n)]
 
 
-def camera_ray(camera: Table, across: float, down: float, width: int, height: int) -> tuple[Vector, Vector]:
+def camera_ray(
+    camera: Table, across: float, down: float, width: int, height: int, lens: tuple[float, float]
+) -> tuple[Vector, Vector]:
     """The ray through a film position, both from 0 to 1, from the left and from the top; pixels are square."""
     position, target = camera["position"], camera["target"]
     forward = unit(sub(target, position))
@@ -47,6 +54,12 @@ def camera_ray(camera: Table, across: float, down: float, width: int, height: in
     else:
         half = math.tan(math.radians(camera.get("field_of_view", 40)) / 2)
     offset = add(scale((2 * across - 1) * half, right), scale((1 - 2 * down) * half * height / width, up))
-    if camera.get("type", "perspective") == "orthographic":
-        return add(position, offset), forward
-    return add(position, (0.0, 0.0, 0.0)), unit(add(forward, offset))
+    parallel = camera.get("type", "perspective") == "orthographic"
+    origin, direction = (add(position, offset), forward) if parallel else (position, unit(add(forward, offset)))
+
+    # From a place on the lens to where this ray meets the plane that is sharp.
+    radius = camera.get("aperture", 0.0) / 2
+    focus = camera.get("focus", math.dist(position, target))
+    sharp = add(origin, scale(focus / dot(direction, forward), direction))
+    origin = add(origin, add(scale(radius * lens[0], right), scale(radius * lens[1], up)))
+    return origin, unit(sub(sharp, origin))

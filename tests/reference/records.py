@@ -46,11 +46,15 @@ class Ray(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """A point of the film, in pixels from the left and from the top of the picture, and its weight in its pixel."""
+    """A point of the film, in pixels from the left and from the top of the picture, and its weight in its pixel.
+
+    `lens` is a place on the lens, right and up, in units of its radius.
+    """
 
     across: float
     down: float
     weight: float
+    lens: tuple[float, float] = (0.0, 0.0)
 
 
 Shape = Callable[[Vector, Vector, float], Hit | None]

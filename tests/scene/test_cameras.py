@@ -104,6 +104,25 @@ GOOD = {"position": (0, 3, 8), "target": (0, 1, 0), "width": 4, "height": 4}
         ({"type": "orthographic"}, r"^view_width: an orthographic camera needs it"),
         ({"type": "orthographic", "view_width": 0}, r"^view_width = 0: it must be more than 0"),
         ({"type": "orthographic", "view_width": 2, "field_of_view": 40}, r"^field_of_view: an orthographic camera has"),
+        ({"aperture": -0.5}, r"^aperture = -0.5: it must be 0, for a pinhole, or more: a diameter in scene units$"),
+        ({"aperture": "wide"}, r"^aperture = 'wide': it must be a number"),
+        ({"aperture": float("inf")}, r"^aperture = inf: numbers must be finite"),
+        (
+            {"aperture": 1, "focus": 0},
+            r"^focus = 0: it must be more than 0, the distance of what is sharp; leave it out",
+        ),
+        ({"focus": -3}, r"^focus = -3: it must be more than 0"),
+        ({"aperture": 3, "focus": 0.1}, r"^aperture: a lens 3 wide is more than 10 times as wide as its focus is far"),
+        ({"f_number": 0, "film_width": 0.036}, r"^f_number = 0: it must be more than 0; 2 is a bright lens"),
+        ({"f_number": 2}, r"^f_number: it needs film_width, in scene units, such as 0.036"),
+        ({"f_number": 2, "film_width": 0}, r"^film_width = 0: it must be more than 0"),
+        ({"film_width": 0.036}, r"^film_width: it counts for a camera with an f_number only"),
+        ({"aperture": 0.1, "f_number": 2, "film_width": 1}, r"^f_number: the aperture is given, too"),
+        (
+            {"type": "orthographic", "view_width": 2, "f_number": 2, "film_width": 1},
+            r"^f_number: an orthographic camera has no focal length; give aperture",
+        ),
+        ({"lens_samples": 1}, r"^lens_samples = 1: it must be a whole number from 2 to 4096"),
     ],
 )
 def test_a_camera_that_cannot_see_says_why(change, line):

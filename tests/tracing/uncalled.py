@@ -19,6 +19,10 @@ from symrt.tracing.tracer import trace_window
 WHOLE = effects.EFFECTS
 
 
+SIZES = {"lens": (16, 48)}
+"""Pixels across the small and the large picture, of scenes that cost more than others."""
+
+
 def traced(scene, listed):
     """A scene traced and collapsed with a list of effects: the tree, the system, calls, and peak bytes."""
     effects.EFFECTS = listed
@@ -70,5 +74,5 @@ def compared(scene):
 
 if __name__ == "__main__":
     with fast.use(False):  # kernels are loaded at some point, which would count
-        measured = {name: [compared(small(name, size)) for size in (32, 96)] for name in every_scene()}
+        measured = {name: [compared(small(name, size)) for size in SIZES.get(name, (32, 96))] for name in every_scene()}
     print(json.dumps(measured))  # noqa: T201  # it is a script

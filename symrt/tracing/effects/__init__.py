@@ -8,12 +8,23 @@ from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.caustics import CAUSTICS
 from symrt.tracing.effects.effect import Call, Effect, Passed, Sent
 from symrt.tracing.effects.film import SUPERSAMPLING
+from symrt.tracing.effects.lens import LENS
 from symrt.tracing.effects.mirrors import MIRRORS
 from symrt.tracing.effects.penumbrae import PENUMBRAE
 from symrt.tracing.effects.refraction import REFRACTION
 from symrt.tracing.effects.shadows import SHADOWS
 from symrt.tracing.effects.textures import TEXTURES
 
-EFFECTS: tuple[Effect, ...] = (SHADOWS, PENUMBRAE, MIRRORS, REFRACTION, CAUSTICS, AMBIENT, TEXTURES, SUPERSAMPLING)
+EFFECTS: tuple[Effect, ...] = (
+    SHADOWS,
+    PENUMBRAE,
+    MIRRORS,
+    REFRACTION,
+    CAUSTICS,
+    AMBIENT,
+    TEXTURES,
+    LENS,
+    SUPERSAMPLING,
+)
 
 __all__ = ["EFFECTS", "Call", "Effect", "Passed", "Sent"]

@@ -9,7 +9,7 @@ from symrt.tracing.stage import Alternatives
 def _call(scene: Scene, alternatives: Alternatives) -> Call:  # noqa: ARG001  the camera alone calls for it
     camera = scene.camera
     asked = (f"camera.samples = {camera.samples}",) if camera.samples > 1 else ()
-    rays = str(camera.width * camera.height * camera.rays_a_pixel)
+    rays = str(camera.width * camera.height * camera.samples**2)
     return Call(asked, without="the pixel's centre is asked for", rays=rays)
 
 
