@@ -25,6 +25,7 @@ _NAMES = {
         "PointLight",
         "RectangleLight",
         "SphereLight",
+        "SurfaceLight",
     ],
     "symrt.geometry": [
         "Box",

@@ -19,7 +19,8 @@ from symrt.headers import count_of, list_of, number_of, size_of, table_of, text_
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
-from symrt.system import LinearSystem, Shares, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Shares, Tail
 from symrt.windows import EVERYWHERE, Window
 
 KIND = Kind("system", 2, "save a system with save_system first", "render the scene and save it again")
@@ -81,6 +82,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
     if system.subtracting:
         header["subtracting"] = list(system.subtracting)
+    if system.glowing:
+        header["glowing"] = list(system.glowing)
     if system.errors:
         header["errors"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.errors.items()}
     if system.counts.effects:
@@ -143,6 +146,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         seconds={name: number_of(v) for name, v in table_of(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
         subtracting=tuple(map(text_of, list_of(header.get("subtracting", [])))),
+        glowing=tuple(map(text_of, list_of(header.get("glowing", [])))),
         errors={name: _estimate(*list_of(row)) for name, row in table_of(header.get("errors", {}))},
         counts=_counts(header["counts"]) if "counts" in header else Counts(),
         noise={name: _estimate(*list_of(row)) for name, row in table_of(header.get("noise", {}))},
@@ -187,9 +191,8 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     # Lights and materials that are there, each with a name of its own, and formulas of one line.
     yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
     yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
-    yield from (
-        f"no light is called {shown(name)}" for name in (*system.errors, *system.noise) if name not in system.white
-    )
+    told = (*system.errors, *system.noise, *system.glowing)
+    yield from (f"no light is called {shown(name)}" for name in told if name not in system.white)
     yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
     yield from (f"an effect is called {shown(n)}" for n in system.counts.effects if plain(n) != n or len(n) > LONGEST)
     for name, text in system.models.items():
@@ -244,7 +247,18 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    known = {"format", "version", "digest", "interpolated", "subtracting", "errors", "noise", "counts", *KEYS}
+    known = {
+        "format",
+        "version",
+        "digest",
+        "interpolated",
+        "subtracting",
+        "glowing",
+        "errors",
+        "noise",
+        "counts",
+        *KEYS,
+    }
     if unknown := (set(header) - known) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 

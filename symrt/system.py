@@ -18,37 +18,10 @@ from symrt.interactions import Blocks, Interaction, blocks_of, written
 from symrt.nodes import Nodes
 from symrt.symbols import Symbol
 from symrt.table import html_table
+from symrt.tails import Tail
 
 OWN = "a negative term"
 """Why a column is signed that was written so."""
-Shares = tuple[tuple[tuple[str, ...], float], ...]
-"""Terms of a sum: reflectances, and a number that multiplies them."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tail:
-    """An upper bound on the part of each pixel that the depth limit cut off.
-
-    Each column is a light times the reflectances that a cut path was mirrored by.  As long as no reflectance passes 1,
-    the missing radiance is at most ``Σ bound · light · Π met / (1 − ρ)`` in each band, where ρ is the largest share
-    ``Σ_k c_k Π met_k`` that a material sends on of what rays bring it, a diffuser's albedo included where rays gather
-    light for it.  Materials that no light shines on, mirrors and glass, do not count: what they send on comes from
-    others, as long as it is no more than they receive.
-
-    Parameters
-    ----------
-    bound
-        (pixel × column); infinite where nothing is known, as of a light of one's own.
-    reflected
-        Of materials that lights shine on: sums that bound the share that each sends on, as reflectances and numbers.
-    passed
-        The same of materials that no light shines on.
-    """
-
-    bound: sparse.csr_array
-    interactions: tuple[Interaction, ...] = ()
-    reflected: tuple[Shares, ...] = ()
-    passed: tuple[Shares, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +57,8 @@ class LinearSystem:
         The rays, the pixels and the time of each effect that was simulated.
     noise
         By light, if pixels are means of drawn samples: their error under reflectances of 1, as a share of its white.
+    glowing
+        Lights that are seen themselves: a pixel of nothing but their columns without a reflectance is no object.
     """
 
     G: sparse.csr_array
@@ -100,6 +75,7 @@ class LinearSystem:
     errors: Mapping[str, Estimate] = field(default_factory=dict)
     counts: Counts = field(default_factory=Counts)
     noise: Mapping[str, Estimate] = field(default_factory=dict)
+    glowing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -253,8 +229,8 @@ class LinearSystem:
         """
         return blocks_of(self.interactions, groups)
 
-    def pixels_of(self, columns: Bool[np.ndarray, " interaction"]) -> Bool[np.ndarray, " pixel"]:
-        """The pixels in which some of the columns have a coefficient, and not a stored 0.
+    def pixels_of(self, columns: Bool[np.ndarray, " interaction"] | None = None) -> Bool[np.ndarray, " pixel"]:
+        """The pixels in which some of the columns, or of all, have a coefficient, and not a stored 0.
 
         Examples
         --------
@@ -262,6 +238,7 @@ class LinearSystem:
         >>> system.pixels_of(np.array([i.light == "sky" for i in system.interactions]))
         array([False,  True])
         """
+        columns = np.ones(len(self.interactions), dtype=bool) if columns is None else columns
         if columns.all() and self.G.data.all():
             return self.term_counts > 0
         counted = columns[self.G.indices] & (self.G.data != 0)
@@ -329,8 +306,11 @@ class LinearSystem:
 
     @property
     def object_pixels(self) -> Bool[np.ndarray, " pixel"]:
-        """Pixels in which light reaches something: rows of G that are not empty, or all zeros."""
-        return self.pixels_of(np.ones(len(self.interactions), dtype=bool))
+        """Pixels in which light reaches something: rows of G that are not empty, or all zeros.
+
+        Lights that are seen themselves do not count; where a reflectance is on the way, as in a mirror, they do.
+        """
+        return self.pixels_of(np.array([i.degree > 0 or i.light not in self.glowing for i in self.interactions], bool))
 
     def __repr__(self) -> str:
         kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"

@@ -22,6 +22,7 @@ COMPONENTS = {
     "phong_plain": ["diffuse", "specular"],
     "blinn_phong": ["diffuse", "specular"],
     "mirror": ["mirror"],
+    "emitter": [],
     "glass": [],
     "metal": ["f0"],
     "metal_f82": ["f0", "f82"],
@@ -188,6 +189,29 @@ SMALL = {
     "a stack of two diffuse models": modelled(["lambert", "phong_plain"], exponent=20),
     "a point light": lit(lamp=POINT),
     "a directional light": lit(sun=SUN),
+    "a surface that glows, seen in chrome and through glass": scene(
+        BALL | {"material": "ember"},
+        TILE | {"material": "chrome", "centre": [-1.2, 0.9, -1.1]},
+        BALL | {"material": "crystal", "centre": [0.7, 0.9, 2.0], "radius": 0.5},
+        materials={"ember": {"model": ["lambert", "emitter"]}, "crystal": {"model": "glass", "index": 1.5}},
+        lights={"glow": {"type": "surface", "material": "ember"}},
+    ),
+    "a texture of two surfaces that glow": textured(BALL, **CHECKER)
+    | {"materials": BASE["materials"] | {"red": {"model": "emitter"}, "blue": {"model": ["emitter", "lambert"]}}}
+    | {
+        "lights": {
+            "sun": SUN,
+            "one": {"type": "surface", "material": "red"},
+            "two": {"type": "surface", "material": "blue"},
+            "both": {"type": "surface", "material": "blue"},
+        }
+    },
+    "a lamp that is seen": scene(
+        TILE | {"material": "chrome", "centre": [-1.2, 0.9, -1.1]},
+        BALL | {"material": "blue"},
+        lights={"lamp": LAMP | {"centre": [-1.0, 2.3, 0.2], "visible": True}},
+    ),
+    "a lamp that is seen from behind": under_a_lamp(BALL, centre=[-0.9, 1.3, 2.2], visible=True),
     "an ambient light": lit(sky={"type": "ambient"}),
     "all kinds of light": lit(sky={"type": "ambient"}, sun=SUN, lamp=POINT),
     "a light that nothing blocks": lit(sun=SUN | {"shadows": False}, lamp=POINT),

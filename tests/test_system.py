@@ -16,7 +16,8 @@ import symrt.saving as module
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.saving import load_system, save_system
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 INTERACTIONS = (
     Interaction("sky", ("sea.diffuse",)),

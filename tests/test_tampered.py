@@ -9,7 +9,8 @@ from scipy import sparse
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.saving import load_system, save_system
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 HOSTILE = (
     *("", "1", "a b", "a-b", "é", "a" * 65, "__import__('os')", "<script>", r"\href{javascript:alert(1)}{x}", r"$\x$"),

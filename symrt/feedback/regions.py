@@ -15,7 +15,8 @@ from symrt.feedback.weighing import Mask, check_mask
 from symrt.interactions import Interaction
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.symbols import NAME, Surface, Symbol
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 Named = tuple[Interaction, ...]
 

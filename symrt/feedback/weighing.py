@@ -100,7 +100,8 @@ def weighed(
     pixels, count = objects, len(objects)
     if mask is not None:
         check_mask(system, mask, "the mask")
-        pixels = pixels[mask.ravel()[pixels]]
+        # Lights that are seen themselves are no objects, and are asked about where a mask has them.
+        pixels = np.flatnonzero(system.pixels_of() & mask.ravel())
         _check_any(pixels, "the mask has no pixel that light reaches: nothing is asked")
     whole = None
     if weights is not None:

@@ -19,7 +19,8 @@ from symrt.linear.paths import Glowing, Lighted, Lost, ends
 from symrt.linear.products import Product, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
 from symrt.reflection.models import LIT
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 from symrt.tracing.raytree import LightRecord, RayTree
 
 
@@ -109,6 +110,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         errors=tree.errors,
         counts=tree.counts,
         noise=spread,
+        glowing=tuple(name for name, light in tree.lights.items() if light.glowing),
     )
 
 
@@ -135,18 +137,25 @@ def _bound_lit(found: Gathering, end: Lighted) -> None:
 
 
 def _add_emitted(found: Gathering, end: Glowing) -> None:
-    """Add the light that hits send to the eye by themselves."""
+    """Add the light that hits send to the eye by themselves, to what is seen or to what is cut off."""
     pairs = end.pairs
     columns = [Interaction(end.light, product) for product in pairs.products]
-    found.entries.add(columns, pairs.product, pairs.pixel, pairs.value)
+    if end.bounded:
+        found.tail.add(columns, pairs.product, pairs.pixel, np.abs(pairs.value))
+    else:
+        found.entries.add(columns, pairs.product, pairs.pixel, pairs.value)
 
 
 def _bound_lost(found: Gathering, end: Lost) -> None:
-    """Bound the light that rays might have brought: that of the brightest surface possible, lit by every light."""
+    """Bound the light that rays might have brought: that of the brightest surface possible, lit by every light.
+
+    Or that of a lamp itself, which is no surface, where it is brighter.
+    """
     pairs = end.pairs
     for name, light in found.lights.items():
-        brightest = found.program.limits.brightest[light.via]
         # 0 · inf: where no formula reflects the light, an unbounded irradiance adds nothing.
-        if brightest:
+        brightest = found.program.limits.brightest[light.via]
+        most = max(brightest * light.bound if brightest else 0.0, light.shown)
+        if most:
             columns = [Interaction(name, found.product(product, end.met)) for product in pairs.products]
-            found.tail.add(columns, pairs.product, pairs.pixel, pairs.value * (brightest * light.bound))
+            found.tail.add(columns, pairs.product, pairs.pixel, pairs.value * most)

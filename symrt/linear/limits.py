@@ -8,7 +8,7 @@ from symrt.reflection.bounds import largest, may_subtract
 from symrt.reflection.corners import corners
 from symrt.reflection.models import LIT
 from symrt.symbols import Surface, named
-from symrt.system import Shares
+from symrt.tails import Shares
 from symrt.tracing.raytree import MaterialRecord
 
 Materials = Mapping[str, MaterialRecord]
@@ -21,13 +21,13 @@ class Limits:
     Parameters
     ----------
     brightest
-        An upper bound, over all materials, of each formula that lights meet: ``direct`` and ``ambient``.
+        An upper bound, over all materials, of each formula that lights meet, or that surfaces shine by.
     subtracting
         The materials some formula of which may have a term that takes away.
     sent
         For each material of the scene, sums that bound the share that it sends on of what further rays bring.
     lit
-        The materials that lights shine on.
+        The materials that lights shine on, or that shine themselves.
     """
 
     brightest: Mapping[str, float]

@@ -119,10 +119,17 @@ class Lighted:
 
 @dataclass(frozen=True, eq=False)
 class Glowing:
-    """Paths that end at hits which send light by themselves."""
+    """Paths that end at hits which send light by themselves.
+
+    Parameters
+    ----------
+    bounded
+        True if the light counts in the tail only, because of an effect that was left out.
+    """
 
     light: str
     pairs: Pairs
+    bounded: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +171,9 @@ def _lights(level: Level, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Itera
         for lit in points.cut:
             yield Lighted(points, lit, _lighted(points, lit, paths, pixel), bounded=True)
     for emitted in level.emitted:
-        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel))
+        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=False)
+    for emitted in level.unlit:
+        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=True)
 
 
 def _lighted(points: Points, lit: Lit, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Pairs:

@@ -77,7 +77,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     # Closed by name: an interrupt between two tiles must end the workers, too.
     with closing(finished(job, windows, workers, executor, progress)) as systems:
         system = stacked(systems, camera.width, camera.height)
-    if not system.object_pixels.any():
+    if not system.pixels_of().any():
         warnings.warn(
             "every pixel is black: the camera sees nothing that light reaches; look at camera.position, camera.target "
             "and at what probe(scene) meets",

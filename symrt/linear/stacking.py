@@ -9,7 +9,8 @@ from scipy import sparse
 from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.interactions import Interaction
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 
 def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearSystem:

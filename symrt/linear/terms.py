@@ -112,10 +112,10 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
     # Lights that shine from the hit.
     for emitted in level.emitted:
         where = (emitted.light if len(level.emitted) > 1 else "", _numbered(emitted, level.emitted), str(place))
-        total += [
-            Light(emitted.light) * letters.letter("radiance", emitted.radiance[k], *where)
-            for k in np.flatnonzero(emitted.hit == hit)
-        ]
+        for radiance in emitted.radiance[emitted.hit == hit].tolist():
+            # A radiance of exactly 1 is not written, and one of 0 not seen.
+            share = letters.letter("radiance", radiance, *where) if radiance not in (0, 1) else number(radiance)
+            total.append(Light(emitted.light) * share)
     return sympy.Add(*total)
 
 
@@ -179,7 +179,7 @@ def _arriving(
     found = np.flatnonzero(lit.point == point)
     if not found.size:
         return []
-    if lit.via == "ambient":
+    if lit.via != "direct":
         return [(Light(lit.light), sympy.Integer(1), {})]
     k = int(found[0])
 

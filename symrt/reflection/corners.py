@@ -20,7 +20,7 @@ import sympy
 from symrt.reflection.bounds import largest
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import ONE_MINUS, Factor, Parameter
-from symrt.system import Shares
+from symrt.tails import Shares
 
 Corner = tuple[Fraction, ...]
 Ranges = Mapping[str, tuple[float, float]]

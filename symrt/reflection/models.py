@@ -1,7 +1,8 @@
 """Models of reflection: each one is its formulas (step 1).
 
 ``direct`` is the radiance towards the viewer per unit irradiance on a surface that faces the light; ``ambient`` per
-unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view.
+unit radiance of an ambient light; ``reflected`` the share of the radiance that arrives along the mirrored view;
+``emitted`` the radiance that a surface sends by itself, per unit of the symbol of the light that it is.
 Cosines arrive clamped to [0, 1], and a light behind the surface is not asked.
 
 References
@@ -56,8 +57,8 @@ WORDS = {*GEOMETRY, *FRESNEL, "diffuse", "specular", "mirror"}
 """Names of the symbols that formulas are written in, as they are imported."""
 INDEX = "index"
 """The parameter that tells the refractive index; rays have been bent by it, so that it is no symbol of a formula."""
-LIT = ("direct", "ambient")
-"""The formulas that lights meet; the others meet the radiance of further rays."""
+LIT = ("direct", "ambient", "emitted")
+"""The formulas that lights meet, or that surfaces shine by; the others meet the radiance of further rays."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,8 @@ class Model:
     transmitted
         Share of the radiance from along the refracted view, on the other side of the surface, that is sent on.  A
         material with this formula has the parameter ``index``, its refractive index, and its shapes are closed.
+    emitted
+        Radiance that the surface sends to the viewer by itself, per unit of the symbol of a `SurfaceLight`.
 
     Raises
     ------
@@ -93,6 +96,7 @@ class Model:
     ambient: Any = ZERO
     reflected: Any = ZERO
     transmitted: Any = ZERO
+    emitted: Any = ZERO
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -248,6 +252,8 @@ MODELS = {
         ambient=diffuse,
     ),
     "mirror": Model(reflected=mirror),
+    # A surface that glows, the same in all directions; to stack on one that reflects.
+    "emitter": Model(emitted=1),
     # Clear glass or water, smooth: what is not mirrored goes on, bent.
     "glass": Model(reflected=fresnel, transmitted=transmission),
     # Polished metals: a mirror with Fresnel's reflectance, white along its edge.

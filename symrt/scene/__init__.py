@@ -6,6 +6,7 @@ from symrt.scene.cameras import Camera, Window, camera_rays
 from symrt.scene.files import load_scene
 from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
 from symrt.scene.records import Material, Scene
+from symrt.scene.surface_lights import SurfaceLight
 
 __all__ = [
     "AmbientLight",
@@ -19,6 +20,7 @@ __all__ = [
     "RectangleLight",
     "Scene",
     "SphereLight",
+    "SurfaceLight",
     "Window",
     "camera_rays",
     "load_scene",

@@ -2,7 +2,7 @@
 
 Their symbol stands for the radiance L.  A diffuser gets the irradiance n·E from the vector irradiance E in closed form
 (`symrt.scene.irradiance`), times the share that is seen of the light; a material with highlights gets the light from
-Gauss points on it.  The lights themselves are not seen in the picture: they are no shapes.
+Gauss points on it.  A light is seen in the picture, in mirrors and through glass if it is to be: `visible`.
 """
 
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ import numpy as np
 
 from symrt.arrays import dot, length, normalise
 from symrt.errors import hinting, refuse, shown
-from symrt.geometry import Triple
+from symrt.geometry import Disk, Rectangle, Sphere, Triple
 from symrt.geometry.flats import plane_axes
 from symrt.geometry.records import LARGEST, column, moved
 from symrt.scene.checks import Number, check_name, check_number, check_triple, check_whole, floats, settle
 from symrt.scene.figures import DARK, as_a_whole, gauss_points, perpendicular
-from symrt.scene.lights import Answering, Illumination, Nearest, Points
+from symrt.scene.lights import Answering, Illumination, Nearest, Points, Via
 from symrt.scene.outlines import Outline
 
 SQUARE = 1e-6
@@ -43,6 +43,16 @@ class AreaLight(Answering, Protocol):
         """The flat figure that the light looks like from each point."""
         ...
 
+    @property
+    def visible(self) -> bool:
+        """True if rays from the eye, from mirrors and from glass see it."""
+        ...
+
+    @property
+    def shape(self) -> Rectangle | Disk | Sphere:
+        """The shape that they meet, which has the light's name in place of a material's."""
+        ...
+
     def facing(self, points: Points, normals: Points) -> Illumination:
         """The light as one sample, exact for diffusers: the vector irradiance from above each point's horizon."""
         ...
@@ -53,7 +63,7 @@ class AreaLight(Answering, Protocol):
 class RectangleLight:
     """A rectangle that shines to the side of its normal, edge_u × edge_v; its symbol is its radiance.
 
-    It is no shape: it is not seen in the picture, and casts no shadow.
+    It casts no shadow, and is not seen in the picture unless it is to be.
 
     Parameters
     ----------
@@ -67,6 +77,9 @@ class RectangleLight:
         Number of times that cells of the grid are cut in four where some of their corners are seen and others are not.
     points
         Gauss points across it, for materials with highlights.
+    visible
+        True if it is seen, also in mirrors and through glass; its back is black then.  In one plane with a wall the
+        wall is seen: let it hang a little before it.
 
     Examples
     --------
@@ -79,7 +92,7 @@ class RectangleLight:
     """
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     name: str
     centre: Triple
     edge_u: Triple
@@ -88,6 +101,7 @@ class RectangleLight:
     grid: int = field(default=3, kw_only=True)
     refinement: int = field(default=1, kw_only=True)
     points: int = field(default=4, kw_only=True)
+    visible: bool = field(default=False, kw_only=True)
     type: Literal["rectangle"] = field(default="rectangle", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -95,6 +109,11 @@ class RectangleLight:
         square = [] if edges else _square_faults(self)
         refuse([*check_name("name", self.name), *check_triple("centre", self.centre), *edges, *square, *_counts(self)])
         settle(self, centre=floats(self.centre), edge_u=floats(self.edge_u), edge_v=floats(self.edge_v))
+
+    @property
+    def shape(self) -> Rectangle:
+        """The rectangle that is seen."""
+        return Rectangle(self.centre, self.edge_u, self.edge_v, self.name)
 
     def outline(self, points: Points) -> Outline:
         """The rectangle itself, as vectors from each point."""
@@ -129,7 +148,8 @@ class RectangleLight:
 class DiskLight:
     """A disk that shines to the side of its normal; its symbol is its radiance.
 
-    It is no shape: it is not seen in the picture, and casts no shadow.  The other fields are those of `RectangleLight`.
+    It casts no shadow, and is not seen in the picture unless it is to be.  The other fields are those of
+    `RectangleLight`.
 
     Examples
     --------
@@ -142,7 +162,7 @@ class DiskLight:
     """
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     name: str
     centre: Triple
     normal: Triple
@@ -151,12 +171,18 @@ class DiskLight:
     grid: int = field(default=3, kw_only=True)
     refinement: int = field(default=1, kw_only=True)
     points: int = field(default=4, kw_only=True)
+    visible: bool = field(default=False, kw_only=True)
     type: Literal["disk"] = field(default="disk", kw_only=True)
 
     def __post_init__(self) -> None:
         places = [*check_triple("centre", self.centre), *check_triple("normal", self.normal, direction=True)]
         refuse([*check_name("name", self.name), *places, *_radius_faults(self.radius), *_counts(self)])
         settle(self, centre=floats(self.centre), normal=floats(self.normal), radius=float(self.radius))
+
+    @property
+    def shape(self) -> Disk:
+        """The disk that is seen."""
+        return Disk(self.centre, self.normal, self.radius, self.name)
 
     def outline(self, points: Points) -> Outline:
         """The disk itself, as vectors from each point."""
@@ -190,8 +216,8 @@ class DiskLight:
 class SphereLight:
     """A sphere that shines outwards; its symbol is its radiance.  From outside it is a disk, the one in its silhouette.
 
-    It is no shape: it is not seen in the picture, and casts no shadow; inside of it is darkness.  The other fields are
-    those of `RectangleLight`.
+    It casts no shadow, and is not seen in the picture unless it is to be; inside of it is darkness.  The other fields
+    are those of `RectangleLight`.
 
     Examples
     --------
@@ -204,7 +230,7 @@ class SphereLight:
     """
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     name: str
     centre: Triple
     radius: Number
@@ -212,12 +238,18 @@ class SphereLight:
     grid: int = field(default=3, kw_only=True)
     refinement: int = field(default=1, kw_only=True)
     points: int = field(default=4, kw_only=True)
+    visible: bool = field(default=False, kw_only=True)
     type: Literal["sphere"] = field(default="sphere", kw_only=True)
 
     def __post_init__(self) -> None:
         places = [*check_triple("centre", self.centre), *_radius_faults(self.radius)]
         refuse([*check_name("name", self.name), *places, *_counts(self)])
         settle(self, centre=floats(self.centre), radius=float(self.radius))
+
+    @property
+    def shape(self) -> Sphere:
+        """The sphere that is seen."""
+        return Sphere(self.centre, self.radius, self.name)
 
     def outline(self, points: Points) -> Outline:
         """The disk inside of its silhouette, in which the cone of directions to it ends."""
@@ -312,3 +344,5 @@ def _counts(light: Any) -> Iterator[str]:
     yield from check_whole("grid", light.grid, 33, least=2)
     yield from check_whole("refinement", light.refinement, 5, least=0)
     yield from check_whole("points", light.points, 32)
+    if not isinstance(light.visible, bool):
+        yield f"visible = {shown(light.visible)}: it must be true or false, without quotes"

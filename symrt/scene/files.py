@@ -34,11 +34,21 @@ from symrt.scene.cameras import Camera
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
 from symrt.scene.records import Material, Scene
+from symrt.scene.surface_lights import SurfaceLight
 
 KINDS: dict[str, dict[str, type]] = {
     "shapes": {kind.type: kind for kind in (Sphere, Plane, Disk, Rectangle, Cylinder, Box, Mesh)},
     "lights": {
-        kind.type: kind for kind in (PointLight, DirectionalLight, AmbientLight, RectangleLight, DiskLight, SphereLight)
+        kind.type: kind
+        for kind in (
+            PointLight,
+            DirectionalLight,
+            AmbientLight,
+            RectangleLight,
+            DiskLight,
+            SphereLight,
+            SurfaceLight,
+        )
     },
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
 }
@@ -121,7 +131,7 @@ class Document:
     lights: dict[
         str,
         Annotated[
-            PointLight | DirectionalLight | AmbientLight | RectangleLight | DiskLight | SphereLight,
+            PointLight | DirectionalLight | AmbientLight | RectangleLight | DiskLight | SphereLight | SurfaceLight,
             Field(discriminator="type"),
         ],
     ] = field(default_factory=dict)
@@ -197,6 +207,8 @@ def _consistency_faults(tables: Mapping[str, Any], folder: Path) -> Iterator[str
 
     # References and files that are no text are reported with their tables.
     shapes, textures = list(_subtables(tables, "shapes")), list(_subtables(tables, "textures"))
+    glowing = ((f"{key}.material", table.get("material")) for key, table in _subtables(tables, "lights"))
+    yield from reference_faults(_texts(glowing), names["materials"], "material")
     for key, table in textures:
         uses = named_materials(f"{key}.materials", table.get("materials", []))
         yield from reference_faults(_texts(uses), names["materials"], "material")

@@ -19,6 +19,8 @@ from symrt.scene.checks import check_name, check_triple, floats, settle
 from symrt.scene.outlines import Outline
 
 Points = Float[np.ndarray, "3 n"]
+Via = Literal["direct", "ambient", "emitted"]
+"""The formula of a model that a light meets: of light from a direction, from everywhere, or from the surface itself."""
 Nearest = Callable[[np.ndarray], float]
 """The distance from a place to the nearest surface."""
 
@@ -104,7 +106,7 @@ class Answering(Light, Protocol):
     calls_for: ClassVar[str | None]
     """Name of the effect without which it does not shine, if there is one."""
 
-    via: ClassVar[Literal["direct", "ambient"]]
+    via: ClassVar[Via]
     """The formula of a model that reflects it."""
 
     def moved(self, by: Triple) -> "Answering":
@@ -134,7 +136,7 @@ class PointLight:
     """
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     name: str
     position: Triple
     shadows: bool = True
@@ -193,7 +195,7 @@ class DirectionalLight:
     """
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     name: str
     direction: Triple
     shadows: bool = True
@@ -240,7 +242,7 @@ class AmbientLight:
     """
 
     calls_for: ClassVar[str | None] = "ambient"
-    via: ClassVar[Literal["direct", "ambient"]] = "ambient"
+    via: ClassVar[Via] = "ambient"
     shadows: ClassVar[bool] = False
     name: str
     type: Literal["ambient"] = field(default="ambient", kw_only=True)
@@ -271,7 +273,7 @@ class Own:
     """A user's own light with the members that the tracer asks for, in coordinates that were moved by `by`."""
 
     calls_for: ClassVar[str | None] = None
-    via: ClassVar[Literal["direct", "ambient"]] = "direct"
+    via: ClassVar[Via] = "direct"
     light: Light
     by: Triple = (0.0, 0.0, 0.0)
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.lights import Light
+from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import named
 from symrt.table import html_table
 
@@ -221,7 +222,7 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))
         faults = list(_reference_faults(scene))
-        yield from faults or _open_glass_faults(scene)
+        yield from faults or (*_open_glass_faults(scene), *_glow_faults(scene))
         yield from _place_faults(scene)
 
 
@@ -249,6 +250,8 @@ def _reference_faults(scene: Scene) -> Iterator[str]:
         yield from reference_faults(
             named_materials(f"{key}.material", _materials_of(shape)), known, "material or texture"
         )
+    glowing = ((f"lights.{light.name}.material", light.material) for light in scene.lights if _glows(light))
+    yield from reference_faults(glowing, materials, "material")
     yield from file_faults(((f"{k}.file", r.file) for k, r in shapes + textures if hasattr(r, "file")), scene.folder)
 
 
@@ -263,6 +266,27 @@ def _open_glass_faults(scene: Scene) -> Iterator[str]:
                 "sphere, a box, a capped cylinder or a closed mesh"
                 for name in names
                 if name in scene.glass
+            )
+
+
+def _glows(light: Any) -> TypeGuard[SurfaceLight]:
+    return isinstance(light, SurfaceLight)
+
+
+def _glow_faults(scene: Scene) -> Iterator[str]:
+    """Surfaces that glow in no light's name, and lights of surfaces that do not glow."""
+    named = {light.material for light in scene.lights if _glows(light)}
+    for light in scene.lights:
+        if _glows(light) and scene.material(light.material).reflection.emitted == 0:
+            yield (
+                f"lights.{light.name}.material = {light.material!r}: it does not glow, as its model has no formula "
+                'emitted; stack one, model = ["lambert", "emitter"]'
+            )
+    for material in scene.materials:
+        if material.reflection.emitted != 0 and material.name not in named:
+            yield (
+                f"materials.{material.name}: it glows, and no light says with what spectrum; add a light of "
+                f'type = "surface" and material = "{material.name}"'
             )
 
 

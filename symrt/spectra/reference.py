@@ -126,12 +126,18 @@ def whites(system: LinearSystem, palette: Palette) -> dict[str, Spectrum]:
     Before them stands the white that the palette carries, if it does.
 
     The key light is the first light of the scene that is not ambient.  An ambient one is known by its coefficient, 1: a
-    diffuser returns exactly the radiance that surrounds it.
+    diffuser returns exactly the radiance that surrounds it.  A surface that glows shines on no diffuser: where nothing
+    else shines the white is the surface itself.
     """
     shining = {name: value * palette[name] for name, value in system.white.items() if name in palette and value > 0}
     lit = {name: white for name, white in shining.items() if white.any()}
     own = {} if palette.white is None else {GIVEN: np.asarray(palette.white, dtype=float)}
-    return own | dict(sorted(lit.items(), key=lambda item: system.white[item[0]] == 1.0))
+    return own | dict(sorted(lit.items(), key=lambda item: _precedence(system, item[0])))
+
+
+def _precedence(system: LinearSystem, light: str) -> int:
+    """The place among lights: first those that shine on a diffuser, then ambient ones, then surfaces that glow."""
+    return 0 if system.white[light] != 1.0 else 2 if light in system.glowing else 1
 
 
 def key_light(system: LinearSystem, palette: Palette) -> str | None:

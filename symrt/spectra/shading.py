@@ -25,7 +25,8 @@ from symrt.spectra.image import SpectralImage
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.spectra.reference import Reference, whites
 from symrt.symbols import Symbol, named
-from symrt.system import LinearSystem, Shares, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Shares, Tail
 
 Gamma = Float[np.ndarray, "interaction band"]
 Vectors = Float[np.ndarray, "component band"]
@@ -269,9 +270,7 @@ def _share(terms: Shares, palette: Palette) -> Spectrum:
 
 def _known(name: str, palette: Palette) -> Spectrum:
     """A reflectance; of a material that no pixel shows it may be anything, of an alternative it is zero."""
-    if name in palette:
-        return palette[name]
-    return np.full(len(palette.bands), 0.0 if Symbol.of(name).alternative else 1.0)
+    return palette[name] if name in palette else np.full(len(palette.bands), 1.0 - Symbol.of(name).alternative)
 
 
 def preview(

@@ -1,6 +1,6 @@
 """Plan a trace: the effects that a scene calls for; one that nothing calls for is never simulated (before step 1)."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from symrt.errors import refuse, require, shown, suggestion
 from symrt.geometry.rays import clearance, encloses
 from symrt.scene.records import Scene
+from symrt.scene.surface_lights import SurfaceLight
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import CARRIED, Call, Effect
 from symrt.tracing.plan import TOLERANCE, Plan, Planned, Status
@@ -60,13 +61,23 @@ def plan(
     )
     calls = {effect.name: effect.call(scene, alternatives) for effect in effects.EFFECTS}
     planned = [_planned(effect, calls[effect.name], force.get(effect.name), tolerance) for effect in effects.EFFECTS]
-    return Plan(tuple(_counted(planned, calls, scene.depth)), tuple(_remarks(scene)), tolerance)
+    remarks = (*_glow_remarks(scene, planned), *_remarks(scene))
+    return Plan(tuple(_counted(planned, calls, scene.depth)), remarks, tolerance)
 
 
 def _checked(tolerance: float | int) -> float:
     if isinstance(tolerance, bool) or not 0 <= tolerance < 1:
         raise ValueError(f"tolerance = {shown(tolerance)}: give a share of the light from 0 to below 1, such as 0.001")
     return float(tolerance)
+
+
+def _glow_remarks(scene: Scene, planned: Sequence[Planned]) -> Iterator[str]:
+    """A sentence about the light of surfaces that glow, where no other surface gathers it."""
+    simulated = {effect.name for effect in planned if effect.simulated}
+    gathered = any(effect.gathers for effect in effects.EFFECTS if effect.name in simulated)
+    glowing = [light.name for light in scene.lights if isinstance(light, SurfaceLight)]
+    if glowing and "emission" in simulated and not gathered:
+        yield f"The light of surfaces, {', '.join(glowing)}, is seen; on others it falls only by interreflection."
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

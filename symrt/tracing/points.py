@@ -11,6 +11,7 @@ from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL, VIEW
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.lights import Answering, Illumination
+from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import Surface
 from symrt.tracing.factors import factors
 from symrt.tracing.planner import AtWork
@@ -50,10 +51,11 @@ class Reached:
     error: Float[np.ndarray, " reached"] | None = None
     diffusing: bool | None = None
 
-    def meets(self, model: Model) -> bool:
-        """True if the model has a formula for the light, and the sample is for models of its kind."""
+    def meets(self, surface: str, model: Model) -> bool:
+        """True if a surface's model has a formula for the light, and the sample is for its kind, or its own light."""
         kind = self.diffusing is None or self.diffusing == model.diffusing
-        return kind and bool(model.formulas[self.light.via] != 0)
+        own = not isinstance(self.light, SurfaceLight) or self.light.material == Surface.of(surface).material
+        return kind and own and bool(model.formulas[self.light.via] != 0)
 
 
 def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Points, ...]:
@@ -78,7 +80,7 @@ def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Poi
             seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
 
             # The light on them, where the model has a formula for it.
-            met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in reached if one.meets(model)]
+            met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in reached if one.meets(name, model)]
             for one, arriving in met:
                 if one.light.calls_for:
                     tally.touch(one.light.calls_for, view.sample[hit[arriving.point]])
@@ -180,6 +182,9 @@ def _shares(
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
+        # Lamps that are seen have no material.
+        if stage.slots[slot] in stage.remembered:
+            continue
         hit = np.flatnonzero(view.slot == slot)
         for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit, tally).items():
             present = share > 0

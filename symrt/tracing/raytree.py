@@ -11,7 +11,6 @@ References
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -19,6 +18,7 @@ from jaxtyping import Bool, Float, Int
 from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.reflection.models import Model
+from symrt.scene.lights import Via
 from symrt.tracing.plan import Plan
 
 Index = Int[np.ndarray, " point"]
@@ -33,7 +33,8 @@ class Lit:
     Parameters
     ----------
     via
-        The formula that reflects it: ``direct``, or ``ambient`` for light from everywhere.
+        The formula that it meets: ``direct``, ``ambient`` for light from everywhere, or ``emitted`` for that of the
+        surface itself.
     point
         Indices into the points of the material.
     irradiance
@@ -47,7 +48,7 @@ class Lit:
     """
 
     light: str
-    via: Literal["direct", "ambient"]
+    via: Via
     point: Index
     irradiance: Float[np.ndarray, " point"]
     visible: Float[np.ndarray, " point"]
@@ -144,10 +145,12 @@ class Level:
     points
         The hits by material, and the light that reaches them.
     emitted
-        The light that hits send by themselves.
+        The light that hits send by themselves, other than by a formula of their material.
     cut
         Rays that were sent from these hits but not followed, beyond the depth or by an effect that was left out; their
         parents are hits of this level.
+    unlit
+        As `emitted`, of an effect that was left out: it counts in the tail.
     """
 
     sample: Int[np.ndarray, " hit"]
@@ -155,6 +158,7 @@ class Level:
     points: tuple[Points, ...]
     emitted: tuple[Emitted, ...] = ()
     cut: tuple[Branch, ...] = ()
+    unlit: tuple[Emitted, ...] = ()
 
     @property
     def size(self) -> int:
@@ -207,16 +211,24 @@ class LightRecord:
     Parameters
     ----------
     via
-        The formula that reflects it.
+        The formula that it meets.
     white
         The coefficient of a perfect diffuser at the camera's target that faces the light.
     bound
         The largest irradiance of any surface per unit of the light's symbol, which bounds the light cut off.
+    shown
+        The largest radiance, per unit of the symbol, of the light where it is seen itself; 0 if it never is.
     """
 
-    via: Literal["direct", "ambient"]
+    via: Via
     white: float
     bound: float
+    shown: float = 0.0
+
+    @property
+    def glowing(self) -> bool:
+        """True if it is seen itself, unreflected."""
+        return self.via == "emitted" or self.shown > 0
 
 
 @dataclass(frozen=True, eq=False)

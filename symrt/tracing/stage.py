@@ -32,9 +32,11 @@ class Stage:
 
     Parameters
     ----------
+    seen
+        The shapes, and after them the lamps that are seen; the same record where there is none.
     slots
         Names of the surfaces' materials and textures: a shape owns one slot, a mesh one for each of its materials, a
-        box one for each face.
+        box one for each face.  A lamp's slot has its own name.
     first_slot
         For each shape, the index of its first slot.
     alternatives
@@ -54,6 +56,7 @@ class Stage:
 
     camera: Camera
     shapes: Shapes
+    seen: Shapes
     slots: tuple[str, ...]
     first_slot: np.ndarray
     textures: Mapping[str, object]
@@ -75,9 +78,8 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     loaded = [load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes]
     textures = {texture.name: load_texture(texture, scene.folder) for texture in scene.textures}
 
-    # Number the materials of the shapes, and bind each model to its material.
+    # Bind each model to its material.
     _check_closed(scene, loaded)
-    slots, first = _numbered(loaded)
     alternatives = _checked_alternatives(scene, alternatives or {})
     materials, sending = _materials(scene, alternatives), _sending(scene, alternatives)
 
@@ -87,20 +89,23 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     shapes = gathered([translate(shape, np.array(by)) for shape in loaded])
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
+
+    # Number the materials of the shapes; lamps that are seen come after them, and cast no shadow.
+    lamps = [light.shape for light in lights if isinstance(light, AreaLight) and light.visible]
+    seen = gathered([*shapes, *lamps]) if lamps else shapes
+    slots, first = _numbered(seen)
     return Stage(
         camera=camera,
         shapes=shapes,
+        seen=seen,
         slots=slots,
         first_slot=first,
         textures=textures,
         materials=materials,
         alternatives=alternatives,
         lights=tuple(sorted((light for light in lights if light.via == "direct"), key=lambda light: light.name))
-        + tuple(light for light in lights if light.via == "ambient"),
-        remembered={
-            light.name: LightRecord(light.via, light.white(camera.target), _bound(light, shapes, scene))
-            for light in lights
-        },
+        + tuple(light for light in lights if light.via != "direct"),
+        remembered={light.name: _remembered(light, camera, shapes, scene) for light in lights},
         depth=scene.depth,
         sending=sending,
         most={name: _most(record) for name, record in materials.items()},
@@ -220,6 +225,12 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
     named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
     pairs = [(name, other) for name, others in alternatives.items() for other in others]
     return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}
+
+
+def _remembered(light: Answering, camera: Camera, shapes: Shapes, scene: Scene) -> LightRecord:
+    """The tree's record of a light; a lamp that is seen has the radiance 1."""
+    shown = 1.0 if isinstance(light, AreaLight) and light.visible else 0.0
+    return LightRecord(light.via, light.white(camera.target), _bound(light, shapes, scene), shown)
 
 
 def _bound(light: Answering, shapes: Shapes, scene: Scene) -> float:

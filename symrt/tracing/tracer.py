@@ -106,15 +106,16 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: 
     while batch.sample.size:
         with tally.shared(cast):
             # Where the rays of all branches end; those that meet nothing are dropped.
-            hits = nearest(stage.shapes, batch.rays)
+            hits = nearest(stage.seen, batch.rays)
             found = np.flatnonzero(hits.shape >= 0)
             batch, hits = batch.of(found), hits.of(found)
 
             # The surfaces there, and the light that reaches them.
-            surface, leaving = surfaces(stage.shapes, batch.rays, hits), leaving_of(stage.shapes, hits)
+            surface, leaving = surfaces(stage.seen, batch.rays, hits), leaving_of(stage.seen, hits)
             view = look(surface, _slots_of(stage, hits), batch, leaving)
             here = points(stage, effects, view, tally)
             emitted = _emitted(stage, effects, view, tally)
+            unlit = tuple(one for effect in effects.bounded if effect.emitted for one in effect.emitted(stage, view))
 
         # The rays that go on: followed until the depth is reached, cut off and bounded from there on.
         cast = Counter()
@@ -134,7 +135,7 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: 
                 else:
                     cut += enough
                 cut += rest
-        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut))))
+        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit))
         batch = _joined(batch, followed)
     return tuple(levels)
 
@@ -201,7 +202,7 @@ def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
 def _slots_of(stage: Stage, hits: Hits) -> Int[np.ndarray, " hit"]:
     """The slot of each hit, from its shape and, on a mesh or a box, from its face."""
     slot = stage.first_slot[hits.shape]
-    for index, mesh in enumerate(stage.shapes):
+    for index, mesh in enumerate(stage.seen):
         if isinstance(mesh, TriangleMesh | Box) and mesh.face_material is not None:
             own = hits.shape == index
             slot[own] += mesh.face_material[hits.primitive[own]]

@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int, Shaped
+from jaxtyping import Bool, Float, Int, Shaped
 
 from symrt.arrays import Vectors, dot
 from symrt.geometry.rays import Rays, Surface
+from symrt.reflection.models import LIT
 from symrt.tracing.raytree import Branch
 
 Which = Int[np.ndarray, " hit"]
@@ -64,6 +65,8 @@ class View:
         The film sample that each hit contributes to, and the values that effects keep for the ray that met it.
     leaving
         The shape that a ray leaves for good when it starts from a hit on the viewer's side, and on the other, or −1.
+    branches
+        The rays that met the hits, one branch after the other; none of the camera's.
     """
 
     surface: Surface
@@ -74,6 +77,14 @@ class View:
     sample: Int[np.ndarray, " hit"]
     state: State
     leaving: Int[np.ndarray, "2 hit"]
+    branches: tuple[Branch, ...]
+
+    @property
+    def gathered(self) -> Bool[np.ndarray, " hit"]:
+        """True for hits of rays along which a surface gathers light: what it samples as a light counts there."""
+        if not self.branches:
+            return np.zeros(self.slot.size, dtype=bool)
+        return np.repeat([b.via in LIT for b in self.branches], [b.size for b in self.branches])
 
 
 def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving: Int[np.ndarray, "2 hit"]) -> View:
@@ -85,7 +96,7 @@ def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving:
     normal = _turned(surface.normal, viewer)
     shading_normal = _turned(surface.shading_normal, normal)
     leaving = np.where(dot(surface.normal, viewer) < 0, leaving[::-1], leaving)
-    return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving)
+    return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving, batch.branches)
 
 
 def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:

@@ -24,7 +24,8 @@ from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference
 from symrt.spectra.shading import gamma, shade
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 DEVICE = load_device("dye3-endura-premier")
 IMAGE, COLOURS = system(), palette()

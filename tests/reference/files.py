@@ -57,6 +57,10 @@ def load(path: str | Path) -> Scene:
         textures=textures,
         depth=file.get("depth", 4),
         sending=(onwards,),
+        glowing={name: t["material"] for name, t in file["lights"].items() if t["type"] == "surface"},
+        lanterns=tuple(
+            kinds[t["type"]]({**t, "material": name}) for name, t in file["lights"].items() if t.get("visible")
+        ),
         lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"},
         least=1e-3 if any(of.get("model") == "glass" for of in file["materials"].values()) else 0.0,
     )

@@ -1,7 +1,8 @@
 """Models of reflection: each is a few formulas, and each formula the shares that its components send to the eye.
 
-`direct` is a share of the irradiance on a surface that faces the light, `ambient` of light from everywhere, and
-`reflected` of what a ray of that name brings.  A share that belongs to no component, "", is the same in all bands.
+`direct` is a share of the irradiance on a surface that faces the light, `ambient` of light from everywhere, `reflected`
+of what a ray of that name brings, and `emitted` of the light that the surface sends by itself.  A share that belongs to
+no component, "", is the same in all bands.
 """
 
 import math
@@ -95,12 +96,18 @@ def all_of_it(_: Seen, __: Table) -> Shares:
     return [("", 1.0)]
 
 
+def evenly(_: Seen, __: Table) -> Shares:
+    """The same radiance in all directions."""
+    return [("", 1.0)]
+
+
 MODELS: dict[str, Model] = {
     "lambert": {"direct": lambert, "ambient": from_everywhere},
     "phong": {"direct": phong, "ambient": from_everywhere},
     "phong_plain": {"direct": phong_plain, "ambient": from_everywhere},
     "blinn_phong": {"direct": blinn_phong, "ambient": from_everywhere},
     "mirror": {"reflected": mirror},
+    "emitter": {"emitted": evenly},
     "metal": {"reflected": metal},
     "metal_f82": {"reflected": metal_f82},
     "glass": {"reflected": all_of_it, "transmitted": all_of_it},

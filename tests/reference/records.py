@@ -77,7 +77,9 @@ class Scene(NamedTuple):
     """A scene as closures: a shape answers a ray, a light a point, a texture a hit.
 
     `sending` are the rules by which hits send rays on, `emitting` those by which they shine; `film` takes the place of
-    the camera's regular samples.  `beyond` names a spectrum: the radiance that each ray brings which the depth cuts
+    the camera's regular samples.  `glowing` names the material of each light that surfaces send by themselves;
+    `lanterns` are the shapes of lamps that are seen, with the lamp's name for a material: they hide nothing from light.
+    `beyond` names a spectrum: the radiance that each ray brings which the depth cuts
     off; black if it is None.  Rays that carry less than `least` of what their sample of the film sees are not followed.
     """
 
@@ -92,6 +94,8 @@ class Scene(NamedTuple):
     sending: tuple[Sending, ...]
     emitting: tuple[Emitting, ...] = ()
     lamps: Mapping[str, Lamp] = {}
+    glowing: Mapping[str, str] = {}
+    lanterns: tuple[Shape, ...] = ()
     film: Film | None = None
     beyond: str | None = None
     least: float = 0.0

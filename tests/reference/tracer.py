@@ -14,16 +14,22 @@ from reference.vectors import Vector, dot, mirrored, scale
 
 
 def radiance(
-    scene: Scene, spectra: Mapping[str, Spectrum], origin: Vector, direction: Vector, bounces: int, carried: float = 1.0
+    scene: Scene,
+    spectra: Mapping[str, Spectrum],
+    origin: Vector,
+    direction: Vector,
+    bounces: int,
+    carried: float = 1.0,
+    via: str = "",
 ) -> Spectrum:
     """Radiance against `direction`, in every band; rays are followed for so many more bounces.
 
-    The ray carries a share of what its sample of the film sees.
+    The ray carries a share of what its sample of the film sees, and was sent on by a formula, or by the camera.
     """
     black = [0.0] * len(next(iter(spectra.values())))
-    hit = nearest(scene, origin, direction)
-    if hit is None:
-        return black
+    hit = nearest(scene, origin, direction, seeing=True)
+    if hit is None or hit.material in scene.lamps:
+        return list(spectra[hit.material]) if hit and shines(hit, direction, via) else black
 
     # Both normals turn to the eye, and the materials there share the point.
     to_eye = scale(-1, direction)
@@ -47,13 +53,18 @@ def radiance(
         if not meeting or carried * ray.weight < scene.least:
             continue
         if bounces > 0:
-            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1, carried * ray.weight)
+            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1, carried * ray.weight, ray.via)
         else:
             arriving = black if scene.beyond is None else spectra[scene.beyond]
         for name, weight in meeting.items():
             for component, share in shares(scene.materials[name], ray.via, Seen(hit.shading, to_eye, ray.direction)):
                 gather(total, weight * ray.weight * share, arriving, reflectance(spectra, name, component))
     return total
+
+
+def shines(lamp: Hit, direction: Vector, via: str) -> bool:
+    """True if a lamp is seen from its front; a surface that gathers light is lit by it already."""
+    return dot(lamp.normal, direction) < 0 and via != "direct"
 
 
 def mirror_ray(hit: Hit, to_eye: Vector) -> list[Ray]:
@@ -78,8 +89,10 @@ def from_lights(
             for component, share in shares(material, "direct", Seen(hit.shading, to_eye, way.direction)):
                 part = weight * way.irradiance * share
                 gather(total, part, spectra[light], reflectance(spectra, name, component))
-    for light in scene.ambient:
-        for component, share in shares(material, "ambient", Seen(hit.shading, to_eye)):
+    everywhere = [(light, "ambient") for light in scene.ambient]
+    by_itself = [(light, "emitted") for light, glowing in scene.glowing.items() if glowing == name]
+    for light, via in everywhere + by_itself:
+        for component, share in shares(material, via, Seen(hit.shading, to_eye)):
             gather(total, weight * share, spectra[light], reflectance(spectra, name, component))
 
 
@@ -96,9 +109,10 @@ def free(scene: Scene, light: str, hit: Hit, direction: Vector, distance: float)
     return blocker is None or blocker.distance >= distance
 
 
-def nearest(scene: Scene, origin: Vector, direction: Vector) -> Hit | None:
-    """The nearest surface that is not the one the ray starts on."""
-    return group(scene.shapes)(origin, direction, 1e-9 * (1 + max(map(abs, origin))))
+def nearest(scene: Scene, origin: Vector, direction: Vector, *, seeing: bool = False) -> Hit | None:
+    """The nearest surface that is not the one the ray starts on; for seeing, or a lamp."""
+    shapes = [*scene.shapes, *scene.lanterns] if seeing else scene.shapes
+    return group(shapes)(origin, direction, 1e-9 * (1 + max(map(abs, origin))))
 
 
 def turned(normal: Vector, towards: Vector) -> Vector:

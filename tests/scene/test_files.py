@@ -153,7 +153,10 @@ WRONG = {
     ),
     "a type that is missing": (
         GOOD.replace('type = "directional"', ""),
-        ["lights.sun.type: missing; there are 'point', 'directional', 'ambient', 'rectangle', 'disk', 'sphere'"],
+        [
+            "lights.sun.type: missing; there are 'point', 'directional', 'ambient', 'rectangle', 'disk', 'sphere', "
+            "'surface'"
+        ],
     ),
     "an unknown model": (
         GOOD.replace(RED, RED + "model = 'fong'\n"),

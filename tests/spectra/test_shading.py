@@ -13,7 +13,8 @@ from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.palette import Palette
 from symrt.spectra.shading import gamma, preview, shade, tail_bound
 from symrt.spectra.viewing import to_rgb
-from symrt.system import LinearSystem, Tail
+from symrt.system import LinearSystem
+from symrt.tails import Tail
 
 BANDS = wavelengths(380, 730, 10)
 INTERACTIONS = (

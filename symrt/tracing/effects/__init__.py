@@ -7,6 +7,7 @@ A scene pays only for the effects that something in it calls for.  To add one, w
 from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.caustics import CAUSTICS
 from symrt.tracing.effects.effect import Call, Effect, Passed, Sent
+from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.lens import LENS
 from symrt.tracing.effects.mirrors import MIRRORS
@@ -22,6 +23,7 @@ EFFECTS: tuple[Effect, ...] = (
     REFRACTION,
     CAUSTICS,
     AMBIENT,
+    EMISSION,
     TEXTURES,
     LENS,
     SUPERSAMPLING,
