@@ -12,22 +12,25 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
+from symrt.columns import columns_of, row_of, wrong_lengths
 from symrt.counts import Count, Counts
 from symrt.errors import plain, shown
 from symrt.estimates import Estimate
 from symrt.headers import count_of, list_of, number_of, size_of, table_of, text_of
 from symrt.interactions import Interaction
+from symrt.lengths import Lengths
 from symrt.nodes import Nodes
 from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
 from symrt.system import LinearSystem
 from symrt.tails import Shares, Tail
-from symrt.windows import EVERYWHERE, Window
 
 KIND = Kind("system", 2, "save a system with save_system first", "render the scene and save it again")
 LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
 KEYS = ("height", "width", "interactions", "tail", "reflected", "passed", "white", "models", "parameters", "seconds")
 """Of the header, beside those that every file of ours has."""
+TOLD = ("errors", "noise", "counts", "lengths")
+"""Of the header, where there is any of it."""
 ARRAYS = frozenset(f"{name}_{part}" for name in ("G", "tail") for part in ("data", "indices", "indptr"))
 LONGEST = 1 << 16
 """Letters of a model's formulas."""
@@ -50,7 +53,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_system(Path(folder) / "grey.npz", grey)
     ...     load_system(Path(folder) / "grey.npz").interactions
-    (Interaction(light='sun', met=('red.diffuse',), nodes=(), window=()),)
+    (Interaction(light='sun', met=('red.diffuse',), nodes=(), window=(), powers=()),)
     """
     try:
         header, arrays = packed(system)
@@ -67,8 +70,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
     header = {
         "height": int(system.height),
         "width": int(system.width),
-        "interactions": [_row(i) for i in system.interactions],
-        "tail": None if system.tail is None else [_row(i) for i in tail.interactions],
+        "interactions": [row_of(i) for i in system.interactions],
+        "tail": None if system.tail is None else [row_of(i) for i in tail.interactions],
         "reflected": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.reflected],
         "passed": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.passed],
         "white": {name: float(value).hex() for name, value in system.white.items()},
@@ -93,6 +96,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         }
     if system.noise:
         header["noise"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.noise.items()}
+    if system.lengths:
+        header["lengths"] = {name: [lengths.a_decade, lengths.scheme] for name, lengths in system.lengths.items()}
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -125,8 +130,8 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
     """The system that the arrays and the header of a file make; each part of them is checked."""
     # Columns of what is there, and of what was cut off.
     _check_keys(arrays, header)
-    interactions = _interactions(header["interactions"])
-    tail = None if header["tail"] is None else _interactions(header["tail"])
+    interactions = columns_of(header["interactions"])
+    tail = None if header["tail"] is None else columns_of(header["tail"])
     reflected, passed = (_shares(header[name]) for name in ("reflected", "passed"))
     height, width = count_of(header["height"]), count_of(header["width"])
 
@@ -150,6 +155,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         errors={name: _estimate(*list_of(row)) for name, row in table_of(header.get("errors", {}))},
         counts=_counts(header["counts"]) if "counts" in header else Counts(),
         noise={name: _estimate(*list_of(row)) for name, row in table_of(header.get("noise", {}))},
+        lengths={name: _nodes_of_lengths(*list_of(row)) for name, row in table_of(header.get("lengths", {}))},
     )
 
     # Parts that fit each other.
@@ -163,6 +169,7 @@ def _faults(system: LinearSystem) -> Iterator[str]:
     tail = system.tail or Tail(sparse.csr_array((0, 0)))
     yield from _wrong_names(system, tail)
     yield from _wrong_columns(system, tail)
+    yield from wrong_lengths((*system.interactions, *tail.interactions))
     yield from _wrong_numbers(system, tail)
 
 
@@ -171,7 +178,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     # Every name that occurs.
     columns = (*system.interactions, *tail.interactions)
     shares = (*tail.reflected, *tail.passed)
-    met = {name for i in columns for name in i.met} | {name for s in shares for names, _ in s for name in names}
+    met = {name for i in columns for name in i.names[1:]} | {name for s in shares for names, _ in s for name in names}
     symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
     materials = {name for symbol in symbols for name in (symbol.material, symbol.place)} | set(system.models)
 
@@ -181,6 +188,7 @@ def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
         ("material", system.models, NAME),
         ("material", system.subtracting, NAME),
         ("reflectance", sorted(met), OF_MATERIAL),
+        ("transmittance", system.lengths, OF_MATERIAL),
         ("parameter", system.parameters, OF_MATERIAL),
         ("parameter", sorted({name for by in system.interpolated.values() for name in by}), OF_MATERIAL),
         ("step", system.seconds, NAME),
@@ -247,18 +255,7 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:
     """Refuse what belongs to nothing: a file of ours has just these parts."""
-    known = {
-        "format",
-        "version",
-        "digest",
-        "interpolated",
-        "subtracting",
-        "glowing",
-        "errors",
-        "noise",
-        "counts",
-        *KEYS,
-    }
+    known = {"format", "version", "digest", "interpolated", "subtracting", "glowing", *TOLD, *KEYS}
     if unknown := (set(header) - known) | (set(arrays) - ARRAYS):
         raise ValueError(f"{shown(min(unknown))} belongs to nothing")
 
@@ -288,12 +285,6 @@ def _estimate(count: Any, rms: Any, largest: Any) -> Estimate:
     return Estimate(count_of(count), float.fromhex(text_of(rms)), float.fromhex(text_of(largest)))
 
 
-def _row(interaction: Interaction) -> list[Any]:
-    """A column as a file has it; of one without a window it is what it was before there were any."""
-    row = [interaction.light, list(interaction.met), [list(node) for node in interaction.nodes]]
-    return [*row, [float(nm).hex() for nm in interaction.window]] if interaction.window else row
-
-
 def _counts(record: Any) -> Counts:
     found = dict(table_of(record))
     rows = [list_of(row) for row in list_of(found["effects"])]
@@ -308,23 +299,8 @@ def _effect_count(rays: Any, seconds: Any, pixels: Any, ways: Any) -> Count:
     return Count(size_of(rays), number_of(seconds), None if pixels is None else count_of(pixels), by)
 
 
-def _interactions(rows: list[Any]) -> tuple[Interaction, ...]:
-    return tuple(
-        Interaction(
-            text_of(light),
-            tuple(map(text_of, list_of(met))),
-            tuple((text_of(name), count_of(j)) for name, j in list_of(nodes)),
-            _window(*window),
-        )
-        for light, met, nodes, *window in map(list_of, list_of(rows))
-    )
-
-
-def _window(parts: Any = None) -> Window | tuple[()]:
-    if parts is None:
-        return EVERYWHERE
-    low, centre, high = (float.fromhex(text_of(part)) for part in list_of(parts))
-    return Window(low, centre, high)
+def _nodes_of_lengths(a_decade: Any, scheme: Any) -> Lengths:
+    return Lengths(count_of(a_decade), text_of(scheme))  # type: ignore[arg-type]  # Lengths checks it
 
 
 def _shares(rows: list[Any]) -> tuple[Shares, ...]:

@@ -19,6 +19,8 @@ RESERVED = ("bands", "unphysical")
 SURFACE = re.compile(rf"(?:({NAME.pattern})>)?({NAME.pattern})")
 OF_MATERIAL = re.compile(rf"{SURFACE.pattern}\.({NAME.pattern})")
 """The names of reflectances and parameters: ``sea.diffuse``, ``sea>ice.diffuse``, ``brass.exponent``."""
+REFLECTANCE = rf"{NAME.pattern}(?:>{NAME.pattern})?\.{NAME.pattern}"
+"""A reflectance within a longer text."""
 WRITTEN = rf"{NAME.pattern}(?:(?:>{NAME.pattern})?\.{NAME.pattern})?"
 """A symbol within a longer text."""
 REMEMBERED = 1 << 14

@@ -14,7 +14,8 @@ from scipy import sparse
 
 from symrt.counts import Counts
 from symrt.estimates import Estimate
-from symrt.interactions import Blocks, Interaction, blocks_of, written
+from symrt.interactions import Blocks, Interaction, blocks_of, settled, written
+from symrt.lengths import Lengths
 from symrt.nodes import Nodes
 from symrt.symbols import Symbol
 from symrt.table import html_table
@@ -59,6 +60,8 @@ class LinearSystem:
         By light, if pixels are means of drawn samples: their error under reflectances of 1, as a share of its white.
     glowing
         Lights that are seen themselves: a pixel of nothing but their columns without a reflectance is no object.
+    lengths
+        By transmittance, the nodes of lengths in glass; `error` is at most the share of clear light that they err by.
     """
 
     G: sparse.csr_array
@@ -76,6 +79,7 @@ class LinearSystem:
     counts: Counts = field(default_factory=Counts)
     noise: Mapping[str, Estimate] = field(default_factory=dict)
     glowing: tuple[str, ...] = ()
+    lengths: Mapping[str, Lengths] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.G.shape != (self.height * self.width, len(self.interactions)):
@@ -159,16 +163,7 @@ class LinearSystem:
             raise ValueError(f"not a free parameter: {', '.join(unknown)}; free are: {free}")
         weights = {name: self.parameters[name].weights(float(value)) for name, value in parameters.items()}
 
-        # Each column goes to that without the settled nodes, times what its nodes count for.
-        left = [
-            replace(i, nodes=tuple((name, j) for name, j in i.nodes if name not in weights)) for i in self.interactions
-        ]
-        counts = [np.prod([weights[name][j] for name, j in i.nodes if name in weights]) for i in self.interactions]
-        interactions = sorted(set(left))
-        place = {interaction: k for k, interaction in enumerate(interactions)}
-        shape = (len(left), len(interactions))
-        to = sparse.csr_array((counts, (np.arange(len(left)), [place[i] for i in left])), shape=shape)
-        free_still = {name: nodes for name, nodes in self.parameters.items() if name not in weights}
+        left, interactions, to = settled(self.interactions, weights)
 
         # The parameters whose weights may have made a column negative, where nothing else had.
         turning = {name for name, values in weights.items() if (values < 0).any()}
@@ -180,7 +175,7 @@ class LinearSystem:
             self,
             G=(self.G @ to).tocsr(),
             interactions=tuple(interactions),
-            parameters=free_still,
+            parameters={name: nodes for name, nodes in self.parameters.items() if name not in weights},
             interpolated={i: tuple(sorted(names)) for i, names in by.items() if names and i not in own},
         )
 
@@ -264,7 +259,7 @@ class LinearSystem:
         for interaction in self.interactions:
             # The weight of a single node is always 1.
             free = [n for n, _ in interaction.nodes if n not in self.parameters or self.parameters[n].count > 1]
-            by = [*self.interpolated.get(interaction, ()), *free]
+            by = [*self.interpolated.get(interaction, ()), *free, *self._curved(interaction)]
             if interaction in self._own_signs:
                 found[interaction] = self._subtracted_by(interaction)
             elif interaction in self._negative or free:
@@ -276,10 +271,14 @@ class LinearSystem:
         """The columns with a negative coefficient."""
         return frozenset(self.interactions[column] for column in np.unique(self.G.indices[self.G.data < 0]))
 
-    @property
+    @cached_property
     def _own_signs(self) -> frozenset[Interaction]:
         """The columns with a negative coefficient that no interpolation gave them."""
-        return self._negative - {interaction for interaction, by in self.interpolated.items() if by}
+        return frozenset(i for i in self._negative if not (self.interpolated.get(i) or self._curved(i)))
+
+    def _curved(self, interaction: Interaction) -> list[str]:
+        """The transmittances of a column whose lengths were spread with weights of both signs."""
+        return [n for n, _ in interaction.powers if n in self.lengths and self.lengths[n].scheme == "chebyshev"]
 
     def _subtracted_by(self, interaction: Interaction) -> str:
         """The reason that a column has a negative coefficient: the models of some materials, or that it was written."""
@@ -295,8 +294,8 @@ class LinearSystem:
 
     @property
     def reflectances(self) -> tuple[str, ...]:
-        """Names of the reflectance symbols that occur in some pixel, sorted."""
-        return tuple(sorted({name for interaction in self.interactions for name in interaction.met}))
+        """Names of the reflectance symbols that occur in some pixel, transmittances among them, sorted."""
+        return tuple(sorted({name for interaction in self.interactions for name in interaction.names[1:]}))
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -310,21 +309,24 @@ class LinearSystem:
 
         Lights that are seen themselves do not count; where a reflectance is on the way, as in a mirror, they do.
         """
-        return self.pixels_of(np.array([i.degree > 0 or i.light not in self.glowing for i in self.interactions], bool))
+        return self.pixels_of(
+            np.array([len(i.names) > 1 or i.light not in self.glowing for i in self.interactions], bool)
+        )
 
     def __repr__(self) -> str:
-        kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"
         interactions = f"{len(self.interactions)} interactions"
+        kept = f"{self.G.nnz} coefficients, {self.G.nnz / max(1, self.height * self.width):.1f} a pixel"
         return f"LinearSystem({self.width} × {self.height} pixels, {interactions}, {kept}{self._erring()})"
 
     def _erring(self) -> str:
         errors = (f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
         noise = (f"; the noise of {name} is {error} of its white" for name, error in self.noise.items())
-        return "".join((*errors, *noise))
+        way = (f"; lengths in {Symbol.of(n).material} err by at most {w.error:.2g}" for n, w in self.lengths.items())
+        return "".join((*errors, *noise, *way))
 
     def _repr_html_(self) -> str:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))
         rows = [(str(i), str(i.degree), str(count)) for i, count in zip(self.interactions, pixels, strict=True)]
-        table = html_table(("interaction", "degree", "pixels"), rows)
         counts = self.counts._repr_html_() if self.counts.effects else ""
-        return f"<p>{self.width} × {self.height} pixels{self._erring()}</p>{table}{counts}"
+        head = f"<p>{self.width} × {self.height} pixels{self._erring()}</p>"
+        return head + html_table(("interaction", "degree", "pixels"), rows) + counts

@@ -106,6 +106,16 @@ Thrift = Annotated[
         help="Rays that carry less of their sample's light are not followed, 0.001; what is lost is bounded.",
     ),
 ]
+InterpolationError = Annotated[
+    float | None,
+    typer.Option(
+        "--error", help="Largest error of interpolated lengths of absorbing glass, 0.001, as a share of light."
+    ),
+]
+LengthScheme = Annotated[
+    Literal["hats", "chebyshev"],
+    typer.Option("--lengths", help="How lengths are interpolated: chebyshev is finer, but makes signed columns."),
+]
 Weights = Annotated[
     Path | None,
     typer.Option("--weights", help="What each pixel counts: a grey picture, white 1; black is left out (.png)."),

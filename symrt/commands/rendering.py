@@ -34,6 +34,8 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
     ] = None,
     without: option.Without = None,
     tolerance: option.Thrift = None,
+    error: option.InterpolationError = None,
+    lengths: option.LengthScheme = "hats",
     workers: Annotated[
         str | None, typer.Option(help="Threads, or the word processes; the result does not depend on it.")
     ] = None,
@@ -55,7 +57,7 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     # Words that cannot be obeyed are refused before any work.
     how: dict[str, Any] = {"alternatives": pairs_of(alternative or ()), "force": dict.fromkeys(without or (), False)}
-    how |= {"tolerance": tolerance, "workers": _workers(workers)}
+    how |= {"tolerance": tolerance, "error": error, "lengths": lengths, "workers": _workers(workers)}
     numbers = None if part is None else _part(part)
     if numbers is not None and out is None and not dry_run:
         raise ValueError(f"--part {part}: name the folder that the parts go to, such as --out parts")
@@ -94,6 +96,7 @@ def _save(out: Path, system: "LinearSystem", as_json: bool) -> None:
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     record |= {"errors": {light: asdict(error) for light, error in system.errors.items()}}
     record |= {"counts": {name: asdict(count) for name, count in system.counts.effects.items()}}
+    record |= {"lengths": {name: asdict(how) | {"error": how.error} for name, how in system.lengths.items()}}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
     if as_json:
         say(json_text(record | {"seconds": dict(system.seconds)}))

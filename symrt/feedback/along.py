@@ -24,6 +24,7 @@ from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
 from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
+from symrt.spectra.powers import power_of
 from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
 
@@ -195,7 +196,9 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
             (system.G if c.all() else system.G[:, np.flatnonzero(c)], spectra[c, k]) for k, c in enumerate(chosen)
         ),
         degrees=_degrees(system, np.where(changing, degrees, 0)),
-        terms=int(system.term_counts.max(initial=0)) + max((len(i.met) for i in system.interactions), default=0) + 8,
+        terms=int(system.term_counts.max(initial=0))
+        + max((len(i.met) + 2 * len(i.powers) for i in system.interactions), default=0)
+        + 8,
         signed=bool(system.signed),
     )
 
@@ -210,6 +213,8 @@ def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends
             continue
         first, last = ends[name]
         product = np.vstack([product * first, np.zeros_like(first)]) + np.vstack([np.zeros_like(last), product * last])
+    for power in interaction.powers:
+        product = product * power_of(palette, power)
     return product
 
 

@@ -24,6 +24,7 @@ from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
 from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
+from symrt.spectra.powers import power_of
 from symrt.system import LinearSystem
 
 PIXELS_AT_ONCE = 2048
@@ -137,8 +138,8 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
     known = {n: palette[n] if n in palette else np.zeros(bands) for row in names for n in row}
     within = hats(system.interactions, palette.bands)
     fixed = [
-        np.prod([hat, *(known[n] for n in row if n not in moving)], axis=0)
-        for hat, row in zip(within, names, strict=True)
+        np.prod([hat, *(known[n] for n in row if n not in moving), *(power_of(palette, p) for p in i.powers)], axis=0)
+        for hat, row, i in zip(within, names, system.interactions, strict=True)
     ]
     blocks = system.blocks(*([name] for name in moving))
     return Paints(

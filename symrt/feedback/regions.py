@@ -60,6 +60,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
     renamed = {_renamed(i, material, name): by for i, by in system.interpolated.items()}
     left = set(interactions)
     interpolated = {i: by for i, by in {**system.interpolated, **renamed}.items() if i in left}
+    lengths = {_called(symbol, material, name): how for symbol, how in system.lengths.items()} | dict(system.lengths)
     subtracting = (*system.subtracting, *([name] if material in system.subtracting else []))
     return replace(
         system,
@@ -69,6 +70,7 @@ def split(system: LinearSystem, material: str, mask: Mask, name: str) -> LinearS
         models=models,
         interpolated=interpolated,
         subtracting=subtracting,
+        lengths=lengths,
     )
 
 
@@ -121,7 +123,8 @@ def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], 
 
 
 def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
-    return replace(interaction, met=_renamed_met(interaction.met, material, name))
+    powers = tuple(sorted((_called(symbol, material, name), length) for symbol, length in interaction.powers))
+    return replace(interaction, met=_renamed_met(interaction.met, material, name), powers=powers)
 
 
 def _renamed_met(met: tuple[str, ...], material: str, name: str) -> tuple[str, ...]:

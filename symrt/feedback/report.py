@@ -220,7 +220,7 @@ class _Answer:
 
 def _image(system: LinearSystem, palette: Palette, pixels: Pixels, white: Spectrum) -> _Image:
     part = system.rows(pixels)
-    met = [{Symbol.of(symbol).material for symbol in interaction.met} for interaction in part.interactions]
+    met = [{Symbol.of(symbol).material for symbol in interaction.names[1:]} for interaction in part.interactions]
     materials = {
         name: part.pixels_of(np.array([name in materials for materials in met])) for name in sorted(set().union(*met))
     }

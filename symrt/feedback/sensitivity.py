@@ -33,6 +33,7 @@ from symrt.feedback.parameters import (
 from symrt.spectra.bands import Number
 from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
+from symrt.spectra.powers import power_of
 from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 
@@ -168,11 +169,18 @@ def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum
     """∂F/∂X of every spectrum X that the pixel depends on."""
     found: dict[str, Spectrum] = defaultdict(lambda: np.zeros(len(slab)))
     for interaction, g in system.terms(pixel):
-        names = interaction.symbols
-        if not all(name in palette for name in names):  # an alternative that is no part of the picture
+        if not all(name in palette for name in interaction.names):  # an alternative that is no part of the picture
             continue
-        for k, name in enumerate(names):
-            rest = [*hats([interaction], palette.bands), *(palette[n] for n in (*names[:k], *names[k + 1 :]))]
+        # A transmittance's power of d is as its product with itself, d times.
+        factors = [*((name, 1.0) for name in interaction.symbols), *interaction.powers]
+        for k, (name, length) in enumerate(factors):
+            others = (*factors[:k], *factors[k + 1 :])
+            rest = [*hats([interaction], palette.bands)]
+            rest += [palette[n] if d == 1 else power_of(palette, (n, d)) for n, d in others]
+            if length != 1:
+                # Where nothing comes through a factor on it changes nothing, however steep the power is there.
+                some = np.where(palette[name] > 0, palette[name], 1.0)
+                rest.append(np.where(palette[name] > 0, length * some ** (length - 1), 0.0))
             found[name] = found[name] + np.prod([slab * g, *rest], axis=0)
     return dict(found)
 

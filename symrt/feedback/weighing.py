@@ -156,10 +156,10 @@ def check_most(most: int) -> None:
 
 def _names(interaction: Interaction) -> set[str]:
     """The names that a column contributes to; none for ``sea>ice.diffuse``, an alternative to the picture."""
-    symbols = [Symbol.of(name) for name in interaction.met]
+    symbols = [Symbol.of(name) for name in interaction.names[1:]]
     if any(symbol.alternative for symbol in symbols):
         return set()
-    return {interaction.light, *interaction.met, *(symbol.material for symbol in symbols)}
+    return {*interaction.names, *(symbol.material for symbol in symbols)}
 
 
 def _whole(

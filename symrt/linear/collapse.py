@@ -6,25 +6,35 @@ light and those reflectances.  All points of a material are done at once.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from symrt.errors import require
 from symrt.interactions import Interaction
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
-from symrt.linear.paths import Glowing, Lighted, Lost, ends
+from symrt.linear.paths import Glowing, Lighted, Lost, Pairs, ends
 from symrt.linear.products import Product, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
+from symrt.linear.spreading import spread
 from symrt.reflection.models import LIT
 from symrt.system import LinearSystem
 from symrt.tails import Tail
 from symrt.tracing.raytree import LightRecord, RayTree
 
 
-def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, ordered: bool = False) -> LinearSystem:
+def collapse(
+    tree: RayTree,
+    values: Values | None = None,
+    free: Free = (),
+    *,
+    error: float | int | None = None,
+    lengths: str = "hats",
+    ordered: bool = False,
+) -> LinearSystem:
     """Collapse geometry and nonlinear parts, which leaves a linear system in lights and reflectances.
 
     Parameters
@@ -34,6 +44,12 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, or
     free
         Parameters that stay free, by interpolation between nodes: their names, for a range from a quarter to four
         times their value, or a mapping to ``(low, high)``.
+    error
+        The largest error that interpolation may have: of lengths in absorbing glass 1e-3 if it is not given, a share of
+        the light that clear glass would let through; of free parameters 1e-6.
+    lengths
+        How the power of a transmittance for any length is made of a few: ``"hats"``, whose weights are never negative,
+        or ``"chebyshev"``, which needs fewer nodes, but makes signed columns.
     ordered
         True to keep the order in which light met the reflectances, from the light to the eye: ``sun * sea.diffuse *
         chrome.mirror`` is then the sea seen in the chrome.  Otherwise reflectances are sorted, and products that
@@ -50,7 +66,7 @@ def collapse(tree: RayTree, values: Values | None = None, free: Free = (), *, or
     start = time.perf_counter()
     require("tree", tree, RayTree, "a RayTree, trace(scene)")
     gathered = {via for formulas in tree.sending.values() for via in formulas}.intersection(LIT)
-    program = make_program(tree.materials, values, free, gathered)
+    program = make_program(tree.materials, values, free, gathered, error, lengths)
     system = run(program, tree, ordered=ordered)
     return replace(system, seconds={"trace": tree.seconds, "collapse": time.perf_counter() - start})
 
@@ -63,24 +79,29 @@ class Gathering:
     ----------
     product
         The product of two products of reflectances, sorted or in order.
+    clear
+        True if absorption was left out: glass is taken for clear, and what it would absorb is bounded.
     """
 
     program: Program
     lights: Mapping[str, LightRecord]
     product: Product
+    clear: bool
     entries: Entries = field(default_factory=Entries)
     tail: Entries = field(default_factory=Entries)
 
 
 def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSystem:
     """Evaluate a compiled program on the numbers of a tree."""
-    found = Gathering(program, tree.lights, in_order if ordered else commuting)
+    found = Gathering(program, tree.lights, in_order if ordered else commuting, "absorption" in tree.plan.left_out)
     for end in ends(program, tree, found.product):
         match end:
             case Lighted() if end.bounded:
                 _bound_lit(found, end)
             case Lighted():
                 _add_lit(found, end)
+                if found.clear:
+                    _bound_lit(found, replace(end, pairs=_in_glass(end.pairs)))
             case Glowing():
                 _add_emitted(found, end)
             case Lost():
@@ -90,7 +111,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
     halves = tree.film.half is not None
     rows = tree.width * tree.height * (2 if halves else 1)
     (matrix, interactions), (bound, unseen) = assemble(found.entries, rows), assemble(found.tail, rows)
-    spread = noise(matrix, interactions, tree.white) if halves else {}
+    drawn = noise(matrix, interactions, tree.white) if halves else {}
     matrix, bound = (joined(matrix), joined(bound)) if halves else (matrix, bound)
     limits = program.limits
     reflected, passed = (
@@ -109,9 +130,34 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         tail=Tail(bound, unseen, reflected, passed),
         errors=tree.errors,
         counts=tree.counts,
-        noise=spread,
+        noise=drawn,
         glowing=tuple(name for name, light in tree.lights.items() if light.glowing),
+        lengths={} if found.clear else program.lengths,
     )
+
+
+def _add(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
+    """Add numbers to G, each to the column of its product; light in glass is shared out to powers of lengths."""
+    if not pairs.inside or found.clear:
+        found.entries.add(columns, pairs.product, pairs.pixel, value)
+        return
+    parts = spread(columns, pairs.product, pairs.inside, found.program.lengths)
+    found.entries.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin] * parts.share)
+
+
+def _bound(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
+    """Add numbers to the tail, as `_add` does to G; what glass leaves of them is bounded by the node below."""
+    if not pairs.inside or found.clear:
+        found.tail.add(columns, pairs.product, pairs.pixel, value)
+        return
+    parts = spread(columns, pairs.product, pairs.inside, found.program.lengths, bounding=True)
+    found.tail.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin])
+
+
+def _in_glass(pairs: Pairs) -> Pairs:
+    """The pairs whose paths go through absorbing glass."""
+    through = [length > 0 for length in pairs.inside.values()]
+    return pairs.of(np.flatnonzero(np.any(through, axis=0)) if through else np.empty(0, dtype=np.int64))
 
 
 def _add_lit(found: Gathering, end: Lighted) -> None:
@@ -126,14 +172,14 @@ def _add_lit(found: Gathering, end: Lighted) -> None:
     factors = {name: values[lit.point] for name, values in points.view.items()} | dict(lit.factors)
     for (met, nodes), c in zip(compiled.terms, compiled.coefficients(factors, lit.point.size), strict=True):
         columns = [Interaction(lit.light, found.product(product, met), nodes) for product in pairs.products]
-        found.entries.add(columns, pairs.product, pairs.pixel, pairs.value * c[pairs.which])
+        _add(found, columns, pairs, pairs.value * c[pairs.which])
 
 
 def _bound_lit(found: Gathering, end: Lighted) -> None:
     """Bound the change that an effect which was left out would make to a sample of a light."""
     lit, pairs = end.lit, end.pairs
     columns = [Interaction(lit.light, product) for product in pairs.products]
-    found.tail.add(columns, pairs.product, pairs.pixel, np.abs(pairs.value) * found.program.limits.brightest[lit.via])
+    _bound(found, columns, pairs, np.abs(pairs.value) * found.program.limits.brightest[lit.via])
 
 
 def _add_emitted(found: Gathering, end: Glowing) -> None:
@@ -141,9 +187,12 @@ def _add_emitted(found: Gathering, end: Glowing) -> None:
     pairs = end.pairs
     columns = [Interaction(end.light, product) for product in pairs.products]
     if end.bounded:
-        found.tail.add(columns, pairs.product, pairs.pixel, np.abs(pairs.value))
-    else:
-        found.entries.add(columns, pairs.product, pairs.pixel, pairs.value)
+        _bound(found, columns, pairs, np.abs(pairs.value))
+        return
+    _add(found, columns, pairs, pairs.value)
+    if found.clear:
+        through = _in_glass(pairs)
+        _bound(found, columns, through, np.abs(through.value))
 
 
 def _bound_lost(found: Gathering, end: Lost) -> None:
@@ -158,4 +207,4 @@ def _bound_lost(found: Gathering, end: Lost) -> None:
         most = max(brightest * light.bound if brightest else 0.0, light.shown)
         if most:
             columns = [Interaction(name, found.product(product, end.met)) for product in pairs.products]
-            found.tail.add(columns, pairs.product, pairs.pixel, pairs.value * most)
+            _bound(found, columns, pairs, pairs.value * most)

@@ -52,12 +52,14 @@ class Estimate:
         return f"about {counts}: {_short(self.memory / GIB)} GiB of memory, {_time(self.seconds)} of one processor"
 
 
-def estimate(  # a public verb names its options
+def estimate(  # noqa: PLR0913  # a public verb names its options
     scene: Scene,
     *,
     part: tuple[int, int] | None = None,
     values: Values | None = None,
     free: Free = (),
+    error: float | int | None = None,
+    lengths: str = "hats",
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
@@ -69,7 +71,7 @@ def estimate(  # a public verb names its options
     ----------
     part
         Of a render in parts, as for `render_part`.
-    values, free, alternatives, force, tolerance, workers
+    values, free, error, lengths, alternatives, force, tolerance, workers
         As in `render`.
 
     Examples
@@ -78,7 +80,7 @@ def estimate(  # a public verb names its options
     >>> estimate(load_scene(shipped_scene("first"))).pixels
     65536
     """
-    job = make_job(scene, values, free, alternatives, force, tolerance)
+    job = make_job(scene, values, free, alternatives, force, tolerance, error, lengths)
     return of_job(job, workers, None if part is None else rows_of(part, job.stage.camera.height))
 
 

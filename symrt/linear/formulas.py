@@ -195,10 +195,10 @@ def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     terms = []
     for interaction, g in source.terms(pixel):
         nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
+        powers = [Reflectance(name) ** sympy.Float(length) for name, length in interaction.powers]
         window = [Hat(str(interaction.window))] if interaction.window else []
-        terms.append(
-            sympy.Mul(number(g), Light(interaction.light), *map(Reflectance, interaction.met), *window, *nodes)
-        )
+        met = map(Reflectance, interaction.met)
+        terms.append(sympy.Mul(number(g), Light(interaction.light), *met, *powers, *window, *nodes))
     return Formula(sympy.Add(*terms))
 
 

@@ -75,6 +75,8 @@ def make_job(
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
+    error: float | int | None = None,
+    lengths: str = "hats",
 ) -> Job:
     """Read a scene's files, plan its trace, and compile its models.
 
@@ -87,4 +89,5 @@ def make_job(
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
     stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force, tolerance=tolerance)
-    return Job(stage, chosen, make_program(stage.materials, values, free, at_work(chosen).gathered))
+    program = make_program(stage.materials, values, free, at_work(chosen).gathered, error, lengths)
+    return Job(stage, chosen, program)

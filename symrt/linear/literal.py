@@ -31,6 +31,11 @@ def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
     >>> lit = Light("sun") * (Reflectance("sea.diffuse") + Reflectance("sea.specular")) * n_dot_l
     >>> {str(interaction): coefficient for interaction, coefficient in linear_form(lit).items()}
     {'sun*sea.diffuse': n_dot_l, 'sun*sea.specular': n_dot_l}
+
+    A power that is no whole number is the length of a way through glass:
+
+    >>> [str(interaction) for interaction in linear_form(Light("sun") * Reflectance("wine.transmittance") ** 1.5)]
+    ['sun*wine.transmittance**1.5']
     """
     form: dict[Interaction, list[sympy.Expr]] = {}
     dynamic = expression.atoms(Light, Reflectance, Hat)
@@ -66,7 +71,15 @@ def coefficient_matrix(
 
 
 def _coefficients(pixel: Formula) -> dict[Interaction, float]:
-    form = linear_form(pixel.expression)
+    # Lengths of ways through glass are letters: with their values each is a column of its own.
+    lengths = {
+        letter
+        for power in pixel.expression.atoms(sympy.Pow)
+        if isinstance(power.base, Reflectance)
+        for letter in power.exp.atoms(Factor)
+    }
+    settled = {letter: sympy.Float(pixel.values[letter.name]) for letter in lengths}
+    form = linear_form(pixel.expression.xreplace(settled) if settled else pixel.expression)
     function = function_of([Factor(name) for name in pixel.values], list(form.values()), lobe_value)
     values = function(*pixel.values.values())
     return {interaction: float(g) for interaction, g in zip(form, values, strict=True) if g != 0}
@@ -76,8 +89,12 @@ def _interaction(product: sympy.Expr) -> Interaction:
     lights: list[str] = []
     met: list[str] = []
     windows: list[str] = []
+    powers: list[tuple[str, float]] = []
     for factor in sympy.Mul.make_args(product):
         base, power = factor.as_base_exp()
+        if isinstance(base, Reflectance) and power.is_Float and power > 0:
+            powers.append((base.name, float(power)))
+            continue
         if not isinstance(base, Light | Reflectance | Hat) or not (power.is_Integer and power > 0):
             raise ValueError(f"{product} is not a product of powers of lights and reflectances; expand it first")
         (lights if isinstance(base, Light) else windows if isinstance(base, Hat) else met).extend(
@@ -87,4 +104,5 @@ def _interaction(product: sympy.Expr) -> Interaction:
         raise ValueError(f"{product} has {len(lights)} lights: every path of light starts at exactly one")
     if len(windows) > 1:
         raise ValueError(f"{product} has {len(windows)} windows of wavelengths: light is in one, or in none")
-    return Interaction(lights[0], tuple(sorted(met)), window=Window.of(windows[0]) if windows else EVERYWHERE)
+    window = Window.of(windows[0]) if windows else EVERYWHERE
+    return Interaction(lights[0], tuple(sorted(met)), window=window, powers=tuple(sorted(powers)))

@@ -33,6 +33,8 @@ def render_part(  # noqa: PLR0913  # a public verb names its options
     *,
     values: Values | None = None,
     free: Free = (),
+    error: float | int | None = None,
+    lengths: str = "hats",
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
@@ -49,7 +51,7 @@ def render_part(  # noqa: PLR0913  # a public verb names its options
         ``(3, 64)`` for the third of 64, which run from 1 to 64: about as many rows each, from the top.
     folder
         Where the parts of this one picture are, on a disk that all machines see; it is made if need be.
-    values, free, alternatives, force, tolerance, executor, workers, memory, progress
+    values, free, error, lengths, alternatives, force, tolerance, executor, workers, memory, progress
         As in `render`.
 
     Returns
@@ -73,7 +75,7 @@ def render_part(  # noqa: PLR0913  # a public verb names its options
     LinearSystem(256 × 256 pixels, 2 interactions, 46664 coefficients, 0.7 a pixel)
     """
     check(workers)
-    job = make_job(scene, values, free, alternatives, force, tolerance)
+    job = make_job(scene, values, free, alternatives, force, tolerance, error, lengths)
     rows = rows_of(part, job.picture.height)
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():

@@ -1,7 +1,7 @@
 """Paths from the eye through a tree of rays, and their ends: lights, glowing hits, and rays cut off (step 2)."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 
 import numpy as np
@@ -13,6 +13,8 @@ from symrt.reflection.polynomials import Monomial
 from symrt.tracing.raytree import Branch, Film, Level, Lit, Points, RayTree
 
 Index = Int[np.ndarray, " entry"]
+Inside = Mapping[str, Float[np.ndarray, " _"]]
+"""By the name of its transmittance, the length of the way from the eye to each place in an absorbing material."""
 VANISHED = np.finfo(float).tiny
 """A bound of products that underflowed to zero though none of their factors is zero."""
 
@@ -31,12 +33,15 @@ class Paths:
         Product of the numbers on the way.
     products
         Distinct products of reflectances.
+    inside
+        The lengths to each hit of the level in absorbing materials.
     """
 
     hit: Int[np.ndarray, " path"]
     product: Int[np.ndarray, " path"]
     coefficient: Float[np.ndarray, " path"]
     products: tuple[Monomial, ...]
+    inside: Inside = field(default_factory=dict)
 
     def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
         """Pairs of a point and a path that leads to it: the point's place in `hit`, and the path's index."""
@@ -92,6 +97,8 @@ class Pairs:
         The pixel that the path comes from, or its row among the halves of pixels, `Film.row`.
     value
         The number that the path carries, times the thing's own.
+    inside
+        The lengths of the path in absorbing materials.
     """
 
     which: Index
@@ -99,6 +106,19 @@ class Pairs:
     pixel: Index
     value: Float[np.ndarray, " entry"]
     products: tuple[Monomial, ...]
+    inside: Inside = field(default_factory=dict)
+
+    def of(self, some: Index) -> "Pairs":
+        """Some of the pairs."""
+        inside = {name: length[some] for name, length in self.inside.items()}
+        return replace(
+            self,
+            which=self.which[some],
+            product=self.product[some],
+            pixel=self.pixel[some],
+            value=self.value[some],
+            inside=inside,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +170,7 @@ def ends(program: Program, tree: RayTree, product: Product) -> Iterator[Lighted 
         for branch in level.cut:
             for part in passing(program, level, branch, paths):
                 value = np.where(part.vanished, VANISHED, np.abs(part.value))
-                yield _lost(part, value, paths, pixel[branch.parent])
+                yield _lost(part, value, paths, pixel, branch)
         if below is None:
             return
 
@@ -159,7 +179,7 @@ def ends(program: Program, tree: RayTree, product: Product) -> Iterator[Lighted 
         for branch, of_branch in zip(below.branches, parts, strict=True):
             for part in of_branch:
                 if part.vanished.any():
-                    yield _lost(part, np.where(part.vanished, VANISHED, 0.0), paths, pixel[branch.parent])
+                    yield _lost(part, np.where(part.vanished, VANISHED, 0.0), paths, pixel, branch)
         paths = continued(below, parts, paths, product)
 
 
@@ -188,20 +208,26 @@ def _pairs(
     """Pairs of a path and of a thing at the hit where it ends."""
     which, path = paths.to(hit)
     carried = paths.coefficient[path] * value[which]
-    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products)
+    inside = {name: length[hit][which] for name, length in paths.inside.items()}
+    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products, inside)
 
 
-def _lost(part: Passing, value: Float[np.ndarray, " entry"], paths: Paths, pixel: Int[np.ndarray, " ray"]) -> Lost:
-    """Paths that were continued along a branch, whose pixels are given by ray, and end there."""
+def _lost(
+    part: Passing, value: Float[np.ndarray, " entry"], paths: Paths, pixel: Int[np.ndarray, " hit"], branch: Branch
+) -> Lost:
+    """Paths that were continued along a branch, and end at the hits that its rays left from."""
     some = np.flatnonzero(value)
-    pairs = Pairs(part.ray[some], paths.product[part.path[some]], pixel[part.ray[some]], value[some], paths.products)
+    ray = part.ray[some]
+    hit = branch.parent[ray]
+    inside = {name: length[hit] for name, length in paths.inside.items()}
+    pairs = Pairs(ray, paths.product[part.path[some]], pixel[hit], value[some], paths.products, inside)
     return Lost(part.met, pairs)
 
 
 def from_the_eye(level: Level, film: Film) -> Paths:
     """The paths to the camera's hits: nothing met yet, each with its sample's weight."""
     size = level.size
-    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),))
+    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),), level.inside)
 
 
 def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Iterator[Passing]:
@@ -254,7 +280,19 @@ def continued(below: Level, parts: Sequence[Sequence[Passing]], paths: Paths, pr
     # Sort paths by hit, those of one hit in the order in which they were found.
     order = np.argsort(np.concatenate(hit), kind="stable")
     hits, numbers, values = (np.concatenate(found)[order] for found in (hit, number, coefficient))
-    return _merged(Paths(hits, numbers, values, tuple(numbered)))
+    return _merged(Paths(hits, numbers, values, tuple(numbered), _lengthened(paths.inside, below)))
+
+
+def _lengthened(before: Inside, below: Level) -> Inside:
+    """Lengths to the hits of the level below: those to the hits that its rays left from, and what they went since."""
+    names = sorted({*before, *below.inside})
+    if not names:
+        return {}
+    parent = np.concatenate([branch.parent for branch in below.branches])
+    nothing = np.zeros(below.size)
+    return {
+        name: (before[name][parent] if name in before else nothing) + below.inside.get(name, nothing) for name in names
+    }
 
 
 def _merged(paths: Paths) -> Paths:
@@ -267,4 +305,4 @@ def _merged(paths: Paths) -> Paths:
     # Sums run in the order in which paths were found, which is the same in every tile.
     order = np.argsort(first)
     total = np.bincount(same, weights=paths.coefficient)[order]
-    return Paths(paths.hit[first[order]], paths.product[first[order]], total, paths.products)
+    return replace(paths, hit=paths.hit[first[order]], product=paths.product[first[order]], coefficient=total)

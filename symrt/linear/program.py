@@ -5,16 +5,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symrt.lengths import Lengths, lengths_for
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.linear.limits import Limits, Materials, limits, parameter_of
 from symrt.nodes import Nodes
 from symrt.reflection.models import INDEX, LIT
 from symrt.reflection.nodes import choose_nodes
-from symrt.symbols import Surface
+from symrt.symbols import Surface, named
 from symrt.tracing.raytree import MaterialRecord
 
 Values = Mapping[str, float | int]
 Free = Sequence[str] | Mapping[str, tuple[float | int, float | int]]
+ABSORBING = 1e-3
+"""Largest error of lengths in absorbing glass, unless told otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,16 +32,24 @@ class Program:
         Nodes of the parameters that stayed free.
     limits
         Bounds of what the materials send on.
+    lengths
+        For each transmittance of absorbing glass, the nodes for lengths of paths in it.
     """
 
     compiled: Mapping[str, Mapping[str, Compiled]]
     signatures: Mapping[str, str]
     nodes: Mapping[str, Nodes]
     limits: Limits
+    lengths: Mapping[str, Lengths]
 
 
 def make_program(
-    materials: Materials, values: Values | None = None, free: Free = (), gathered: Collection[str] = ()
+    materials: Materials,
+    values: Values | None = None,
+    free: Free = (),
+    gathered: Collection[str] = (),
+    error: float | int | None = None,
+    lengths: str = "hats",
 ) -> Program:
     """Bind parameters to their values, or to nodes where they stay free, and compile.
 
@@ -65,7 +76,17 @@ def make_program(
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
         limits=limits(materials, nodes, gathered),
+        lengths=_lengths(materials, error, lengths),
     )
+
+
+def _lengths(materials: Materials, error: float | int | None, scheme: str) -> dict[str, Lengths]:
+    """The nodes for lengths in each absorbing glass."""
+    inside = {name: record.model.inside for name, record in materials.items() if record.model.inside != 0}
+    if not inside:
+        return {}
+    chosen = lengths_for(ABSORBING if error is None else error, scheme)
+    return {named(name, formula.name): chosen for name, formula in sorted(inside.items())}
 
 
 def with_values(materials: Materials, values: Values) -> Materials:

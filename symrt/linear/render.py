@@ -28,6 +28,8 @@ def render(  # noqa: PLR0913  # a public verb names its options
     *,
     values: Values | None = None,
     free: Free = (),
+    error: float | int | None = None,
+    lengths: str = "hats",
     alternatives: Alternatives | None = None,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
@@ -41,7 +43,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
 
     Parameters
     ----------
-    values, free
+    values, free, error, lengths
         As in `collapse`.
     alternatives, force, tolerance
         As in `trace`.
@@ -67,7 +69,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     """
     start = time.perf_counter()
     check(workers)
-    job = make_job(scene, values, free, alternatives, force, tolerance)
+    job = make_job(scene, values, free, alternatives, force, tolerance, error, lengths)
     check_memory(job, workers, memory)
     windows = job.windows()
     if save is not None:

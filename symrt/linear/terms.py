@@ -97,7 +97,10 @@ def tree_expression(tree: RayTree, pixel: int) -> tuple[sympy.Expr, Letters]:
 
 
 def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.Expr:
-    """The radiance from a hit: that of each of its materials, and that which lights send by themselves."""
+    """The radiance from a hit: that of each of its materials, and that which lights send by themselves.
+
+    Absorbing glass on the way from the hit before leaves it a power of its transmittance.
+    """
     level = tree.levels[place.depth]
 
     # Each material with its share, where the hit has several.
@@ -116,7 +119,14 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
             # A radiance of exactly 1 is not written, and one of 0 not seen.
             share = letters.letter("radiance", radiance, *where) if radiance not in (0, 1) else number(radiance)
             total.append(Light(emitted.light) * share)
-    return sympy.Add(*total)
+
+    # The glass that the ray to the hit went through.
+    left = [
+        Reflectance(name) ** letters.letter("d", length[hit], str(place))
+        for name, length in level.inside.items()
+        if length[hit] > 0 and "absorption" in tree.plan
+    ]
+    return sympy.Mul(sympy.Add(*total), *left)
 
 
 def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, letters: Letters) -> sympy.Expr:

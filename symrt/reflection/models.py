@@ -58,7 +58,9 @@ WORDS = {*GEOMETRY, *FRESNEL, "diffuse", "specular", "mirror"}
 INDEX = "index"
 """The parameter that tells the refractive index; rays have been bent by it, so that it is no symbol of a formula."""
 LIT = ("direct", "ambient", "emitted")
-"""The formulas that lights meet, or that surfaces shine by; the others meet the radiance of further rays."""
+"""The formulas that lights meet, or that surfaces shine by; others meet the radiance of further rays."""
+INSIDE = "inside"
+"""The formula that light meets on its way through the material, not at its surface."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,9 @@ class Model:
         material with this formula has the parameter ``index``, its refractive index, and its shapes are closed.
     emitted
         Radiance that the surface sends to the viewer by itself, per unit of the symbol of a `SurfaceLight`.
+    inside
+        The reflectance that is the material's transmittance per unit length: what goes a length d through it is left
+        with its power d.  The material must let light in.
 
     Raises
     ------
@@ -97,6 +102,7 @@ class Model:
     reflected: Any = ZERO
     transmitted: Any = ZERO
     emitted: Any = ZERO
+    inside: Any = ZERO
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -132,7 +138,7 @@ class Model:
     @cached_property
     def sending(self) -> frozenset[str]:
         """Names of the formulas, other than zero, by which the model sends on the radiance of further rays."""
-        return frozenset(name for name, formula in self.formulas.items() if name not in LIT and monomials(formula))
+        return frozenset(name for name, formula in self.formulas.items() if _sends(name) and monomials(formula))
 
     @cached_property
     def always_there(self) -> bool:
@@ -148,7 +154,7 @@ class Model:
             Formulas of lights, ``direct`` or ``ambient``, by which rays are sent on, too.  By ``direct`` a surface
             sends on the irradiance of its rays, at most π times their radiance: a diffuser's albedo.
         """
-        total = sympy.Add(*(formula for name, formula in self.formulas.items() if name not in LIT))
+        total = sympy.Add(*(formula for name, formula in self.formulas.items() if _sends(name)))
         total += self.ambient if "ambient" in gathered else ZERO
         if "direct" in gathered:
             total += pi * (sympy.diff(self.direct, n_dot_l) if self.diffusing else self.direct)
@@ -170,6 +176,10 @@ class Model:
     def _repr_latex_(self) -> str:
         lines = (rf"\text{{{name}}} &= {sympy.latex(f)}" for name, f in self.formulas.items() if f != 0)
         return r"$\begin{aligned}" + r" \\ ".join(lines) + r"\end{aligned}$"
+
+
+def _sends(field: str) -> bool:
+    return field not in (*LIT, INSIDE)
 
 
 FORMULAS = tuple(field.name for field in fields(Model))
@@ -232,8 +242,13 @@ def _check(field: str, formula: sympy.Expr) -> None:
         if isinstance(symbol, Factor) and field != "direct" and symbol.name not in VIEW | FRESNEL:
             raise ValueError(f"{field} = {formula}: {symbol} needs a light; only n_dot_v is known here")
 
-    # The formula must be a polynomial in its reflectances.
+    # The formula must be a polynomial in its reflectances; a power of any length is known of a single one only.
     monomials(formula)
+    if field == INSIDE and formula != 0 and not isinstance(formula, Reflectance):
+        raise ValueError(
+            f"{field} = {formula}: it is one reflectance, the transmittance per unit length, such as "
+            "reflectance('transmittance')"
+        )
 
 
 _exponent = parameter("exponent")
@@ -256,6 +271,8 @@ MODELS = {
     "emitter": Model(emitted=1),
     # Clear glass or water, smooth: what is not mirrored goes on, bent.
     "glass": Model(reflected=fresnel, transmitted=transmission),
+    # Light on its way through glass, to stack on it: ["glass", "absorption"].
+    "absorption": Model(inside=reflectance("transmittance")),
     # Polished metals: a mirror with Fresnel's reflectance, white along its edge.
     "metal": Model(reflected=schlick(_f0, n_dot_v)),
     "metal_f82": Model(reflected=f82(_f0, _f82, n_dot_v)),

@@ -215,7 +215,7 @@ def checked_name(name: object) -> str:
 
 def split_factor(name: str) -> tuple[str, str]:
     """The factor and the place it belongs to: ``n_dot_l_sun_2`` is ``n_dot_l`` at ``sun_2``."""
-    for stem in (*GEOMETRY, *sorted(FRESNEL), "visible", "irradiance", "weight"):
+    for stem in (*GEOMETRY, *sorted(FRESNEL), "visible", "irradiance", "weight", "d"):
         if name == stem or name.startswith(f"{stem}_"):
             return stem, name[len(stem) + 1 :]
     return name, ""

@@ -60,7 +60,7 @@ class Material:
         settle(self, name=name, model=tuple(model) if isinstance(model, list | tuple) else model)
         refuse([*check_name("name", name), *_model_faults(self._models)])
         settle(self, parameters=parameters)
-        refuse(_parameter_faults(self))
+        refuse([*_parameter_faults(self), *_inside_faults(self)])
         settle(self, parameters={key: float(value) for key, value in parameters.items()})
 
     @property
@@ -207,6 +207,15 @@ def _parameter_faults(material: Material) -> Iterator[str]:
             rule = f"it must be from {1 / HIGHEST_INDEX} to {HIGHEST_INDEX}"
             yield f"index = {shown(value)}: {rule}; glass has 1.5, water 1.33"
         yield from faults
+
+
+def _inside_faults(material: Material) -> Iterator[str]:
+    model = material.reflection
+    if model.inside != 0 and model.transmitted == 0:
+        yield (
+            f"model = {_models_text(material)}: it absorbs light on its way through, and lets none in; stack it on "
+            'glass, model = ["glass", "absorption"], index = 1.5'
+        )
 
 
 def _models_text(material: Material) -> str:

@@ -126,7 +126,7 @@ def telling_pixel(system: LinearSystem) -> tuple[int, int]:
     (1, 0)
     """
     names = materials(system)
-    seen = [{str(Symbol.of(symbol).surface) for symbol in i.met} for i in system.interactions]
+    seen = [{str(Symbol.of(symbol).surface) for symbol in i.names[1:]} for i in system.interactions]
     meeting = np.zeros(system.height * system.width, dtype=int)
     for name in names:
         meeting += system.pixels_of(np.array([name in surfaces for surfaces in seen]))

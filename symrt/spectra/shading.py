@@ -4,11 +4,9 @@
 ``G (Γ Bᵀ)``: products of coordinates are not coordinates of products.
 """
 
-import difflib
-import re
 import time
 import warnings
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -22,9 +20,11 @@ from symrt.spectra.bands import Bands, Number, coordinates
 from symrt.spectra.display import check_exposure, display_matrix, to_rgb8
 from symrt.spectra.hats import hats
 from symrt.spectra.image import SpectralImage
+from symrt.spectra.misspelt import misspelt
 from symrt.spectra.palette import Palette, did_you_mean
+from symrt.spectra.powers import Power, power_of
 from symrt.spectra.reference import Reference, whites
-from symrt.symbols import Symbol, named
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 from symrt.tails import Shares, Tail
 
@@ -105,7 +105,7 @@ def _vanished(interactions: Sequence[Interaction], spectra: Gamma, palette: Pale
     """Bands in which the product of some interaction is 0 although none of its factors is."""
     vanished = np.zeros(len(palette.bands), dtype=bool)
     for row in np.flatnonzero((spectra == 0).any(axis=1)).tolist():
-        names = interactions[row].symbols
+        names = interactions[row].names
         if not interactions[row].nodes and all(name in palette for name in names):
             factors = np.array([*(palette[name] for name in names), *hats([interactions[row]], palette.bands)])
             vanished |= (spectra[row] == 0) & (factors > 0).all(axis=0)
@@ -126,48 +126,10 @@ def check_names(system: LinearSystem, palette: Palette) -> None:
         warnings.warn(f"the palette's {name!r} is nothing in this scene: did you mean {meant!r}?", stacklevel=3)
 
 
-def misspelt(system: LinearSystem, palette: Palette) -> dict[str, str]:
-    """Entries of a palette that no scene's symbol has the name of, but one nearly, and that one.
-
-    A palette may serve several scenes: what is like nothing in this one is left alone.
-
-    Examples
-    --------
-    >>> system = LinearSystem(sparse.csr_array((1, 0)), (), 1, 1, {"sun": 1.0}, {"brass": "direct = diffuse*n_dot_l"})
-    >>> from symrt.spectra.bands import RGB
-    >>> misspelt(system, Palette(RGB, {"sun": 1, "sea.diffuse": 1, "bras.diffuse": 1, "brass.difuse": 1}))
-    {'bras.diffuse': 'brass.diffuse', 'brass.difuse': 'brass.diffuse'}
-    """
-    # A material's text holds its formulas, and so the components that it has, whether or not a pixel shows them.
-    words = {material: set(re.findall(r"[A-Za-z]\w*", text)) for material, text in system.models.items()}
-    known, found = {*system.lights, *system.reflectances}, {}
-    for name in palette:
-        symbol = Symbol.of(name)
-
-        # Names that are there, and alternatives, are left alone.
-        if name in known or symbol.alternative or symbol.component in words.get(symbol.material, ()):
-            continue
-
-        # The nearest name of its kind.
-        if symbol.light:
-            meant = _near(name, known)
-        elif symbol.material in words:
-            near = _near(symbol.component, words[symbol.material])
-            meant = near and named(symbol.material, near)
-        else:
-            near = _near(symbol.material, words)
-            meant = near and named(near, symbol.component)
-        if meant:
-            found[name] = meant
-    return found
-
-
-def _near(word: str, known: Collection[str]) -> str:
-    return next(iter(difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.85)), "")
-
-
 def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     """Γ: for each interaction the product, per band, of its light and of every reflectance it met, with repetition.
+
+    A transmittance counts with the length of the way as its power.
 
     A reflectance such as ``sea>ice.diffuse`` that the palette does not name is zero: no blend was asked for.
 
@@ -178,13 +140,15 @@ def gamma(interactions: Sequence[Interaction], palette: Palette) -> Gamma:
     >>> gamma([twice], Palette(RGB, {"sun": 2, "red.mirror": [0.5, 0.1, 0]}))
     array([[0.5 , 0.02, 0.  ]])
     """
-    factors = [i.symbols for i in interactions]
-    symbols = sorted({name for names in factors for name in names})
-    check_symbols(symbols, palette)
+    factors: list[tuple[str | Power, ...]] = [(*i.symbols, *i.powers) for i in interactions]
+    symbols = sorted({name for i in interactions for name in i.symbols})
+    powers = sorted({power for i in interactions for power in i.powers})
+    check_symbols(sorted({*symbols, *(name for name, _ in powers)}), palette)
     # The last row is of ones, for interactions of fewer factors.
     rows = [palette[name] if name in palette else np.zeros(len(palette.bands)) for name in symbols]
-    spectra, number = np.array([*rows, np.ones(len(palette.bands))]), {name: k for k, name in enumerate(symbols)}
-    places = np.full((len(factors), max(map(len, factors), default=1)), len(symbols))
+    spectra = np.array([*rows, *(power_of(palette, power) for power in powers), np.ones(len(palette.bands))])
+    number = {factor: k for k, factor in enumerate((*symbols, *powers))}
+    places = np.full((len(factors), max(map(len, factors), default=1)), len(number))
     for row, names in zip(places, factors, strict=True):
         row[: len(names)] = [number[name] for name in names]
     product = spectra[places[:, 0]]
@@ -244,7 +208,7 @@ def tail_bound(tail: Tail, palette: Palette) -> Spectrum:
 
 def _reached(tail: Tail, palette: Palette) -> Bool[np.ndarray, "column band"]:
     """True where light is left in a column: no factor is zero, however small the product."""
-    names = [set(i.symbols) for i in tail.interactions]
+    names = [set(i.names) for i in tail.interactions]
     left = [np.all([_known(name, palette) > 0 for name in factors], axis=0) for factors in names]
     within = hats(tail.interactions, palette.bands) > 0
     return np.array(left, dtype=bool).reshape(within.shape) & within

@@ -151,6 +151,8 @@ class Level:
         parents are hits of this level.
     unlit
         As `emitted`, of an effect that was left out: it counts in the tail.
+    inside
+        By the name of its transmittance, the length that the ray to each hit went in an absorbing material, or 0.
     """
 
     sample: Int[np.ndarray, " hit"]
@@ -159,6 +161,7 @@ class Level:
     emitted: tuple[Emitted, ...] = ()
     cut: tuple[Branch, ...] = ()
     unlit: tuple[Emitted, ...] = ()
+    inside: Mapping[str, Float[np.ndarray, " hit"]] = field(default_factory=dict)
 
     @property
     def size(self) -> int:

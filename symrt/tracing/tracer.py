@@ -110,9 +110,10 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: 
             found = np.flatnonzero(hits.shape >= 0)
             batch, hits = batch.of(found), hits.of(found)
 
-            # The surfaces there, and the light that reaches them.
+            # The surfaces there, what rays went through on their way, and the light that reaches them.
             surface, leaving = surfaces(stage.seen, batch.rays, hits), leaving_of(stage.seen, hits)
             view = look(surface, _slots_of(stage, hits), batch, leaving)
+            batch, inside = _segments(stage, effects, batch, view, hits, tally)
             here = points(stage, effects, view, tally)
             emitted = _emitted(stage, effects, view, tally)
             unlit = tuple(one for effect in effects.bounded if effect.emitted for one in effect.emitted(stage, view))
@@ -135,9 +136,30 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: 
                 else:
                     cut += enough
                 cut += rest
-        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit))
+        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside))
         batch = _joined(batch, followed)
     return tuple(levels)
+
+
+def _segments(
+    stage: Stage, effects: AtWork, batch: Batch, view: View, hits: Hits, tally: Tally
+) -> tuple[Batch, Mapping[str, np.ndarray]]:
+    """The rays with what they keep of their way, and the lengths that they went in absorbing materials."""
+    inside: Mapping[str, np.ndarray] = {}
+    for effect in effects.simulated:
+        if effect.segment is not None:
+            with tally.timed(effect.name):
+                segment = effect.segment(stage, batch, view, hits.distance)
+            for length in segment.inside.values():
+                tally.touch(effect.name, view.sample[length > 0])
+            inside, batch = segment.inside, replace(batch, state={**batch.state, **segment.state})
+
+    # What is left out is bounded by them, too.
+    for effect in effects.bounded:
+        if effect.segment is not None:
+            segment = effect.segment(stage, batch, view, hits.distance)
+            inside, batch = segment.inside, replace(batch, state={**batch.state, **segment.state})
+    return batch, inside
 
 
 def _emitted(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Emitted, ...]:

@@ -14,7 +14,7 @@ from reference.glass import glass_rays
 from reference.lamps import rectangle_lamp
 from reference.lights import directional_light, point_light
 from reference.meshes import mesh
-from reference.records import Hit, Ray, Scene, Spectrum
+from reference.records import Hit, Ray, Scene, Spectrum, Table
 from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
 from reference.textures import banded_relief, checker, label_image, weight_image
 from reference.tracer import mirror_ray
@@ -39,7 +39,7 @@ def load(path: str | Path) -> Scene:
         # Each glass bends for itself; all that mirror at a point send the same ray.
         there = textures[hit.material](hit) if hit.material in textures else {hit.material: 1.0}
         tables = {name: file["materials"][name] for name, weight in there.items() if weight > 0}
-        glass = {name: table["index"] for name, table in tables.items() if table.get("model") == "glass"}
+        glass = {name: table["index"] for name, table in tables.items() if of_glass(table)}
         rays = [
             ray._replace(of=frozenset({name}))
             for name, index in glass.items()
@@ -62,8 +62,14 @@ def load(path: str | Path) -> Scene:
             kinds[t["type"]]({**t, "material": name}) for name, t in file["lights"].items() if t.get("visible")
         ),
         lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"},
-        least=1e-3 if any(of.get("model") == "glass" for of in file["materials"].values()) else 0.0,
+        least=1e-3 if any(map(of_glass, file["materials"].values())) else 0.0,
     )
+
+
+def of_glass(material: Table) -> bool:
+    """True if one of the models of a material is glass."""
+    model = material.get("model", "lambert")
+    return "glass" in (model if isinstance(model, list) else [model])
 
 
 def load_palette(path: str | Path, name: str) -> dict[str, Spectrum]:

@@ -111,6 +111,7 @@ MODELS: dict[str, Model] = {
     "metal": {"reflected": metal},
     "metal_f82": {"reflected": metal_f82},
     "glass": {"reflected": all_of_it, "transmitted": all_of_it},
+    "absorption": {},
     "rough_metal": {"direct": rough_metal},
 }
 

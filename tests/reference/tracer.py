@@ -21,15 +21,17 @@ def radiance(
     bounces: int,
     carried: float = 1.0,
     via: str = "",
+    within: tuple[str, ...] = (),
 ) -> Spectrum:
     """Radiance against `direction`, in every band; rays are followed for so many more bounces.
 
-    The ray carries a share of what its sample of the film sees, and was sent on by a formula, or by the camera.
+    The ray carries a share of what its sample of the film sees, and was sent on by a formula, or by the camera; it runs
+    within glasses, the innermost last.
     """
     black = [0.0] * len(next(iter(spectra.values())))
     hit = nearest(scene, origin, direction, seeing=True)
     if hit is None or hit.material in scene.lamps:
-        return list(spectra[hit.material]) if hit and shines(hit, direction, via) else black
+        return dimmed(spectra, within, hit, spectra[hit.material]) if hit and shines(hit, direction, via) else black
 
     # Both normals turn to the eye, and the materials there share the point.
     to_eye = scale(-1, direction)
@@ -53,13 +55,31 @@ def radiance(
         if not meeting or carried * ray.weight < scene.least:
             continue
         if bounces > 0:
-            arriving = radiance(scene, spectra, hit.point, ray.direction, bounces - 1, carried * ray.weight, ray.via)
+            how = (bounces - 1, carried * ray.weight, ray.via, after(within, hit, ray))
+            arriving = radiance(scene, spectra, hit.point, ray.direction, *how)
         else:
             arriving = black if scene.beyond is None else spectra[scene.beyond]
         for name, weight in meeting.items():
             for component, share in shares(scene.materials[name], ray.via, Seen(hit.shading, to_eye, ray.direction)):
                 gather(total, weight * ray.weight * share, arriving, reflectance(spectra, name, component))
-    return total
+
+    return dimmed(spectra, within, hit, total)
+
+
+def dimmed(spectra: Mapping[str, Spectrum], within: tuple[str, ...], hit: Hit, light: Spectrum) -> Spectrum:
+    """Light from a hit as the innermost glass on its way leaves it."""
+    left = spectra.get(f"{within[-1]}.transmittance") if within else None
+    return list(light) if left is None else [x * share**hit.distance for x, share in zip(light, left, strict=True)]
+
+
+def after(within: tuple[str, ...], hit: Hit, ray: Ray) -> tuple[str, ...]:
+    """The glasses that a ray runs within once it has left a hit."""
+    if ray.via != "transmitted" or not ray.of:
+        return within
+    if not hit.from_inside:
+        return (*within, *ray.of)
+    last = max((k for k, name in enumerate(within) if name in ray.of), default=len(within) - 1)
+    return within[:last] + within[last + 1 :]
 
 
 def shines(lamp: Hit, direction: Vector, via: str) -> bool:

@@ -4,9 +4,10 @@ A scene pays only for the effects that something in it calls for.  To add one, w
 `EFFECTS`; the plan, the tracer, the tail and the formulas ask the list.
 """
 
+from symrt.tracing.effects.absorption import ABSORPTION
 from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.caustics import CAUSTICS
-from symrt.tracing.effects.effect import Call, Effect, Passed, Sent
+from symrt.tracing.effects.effect import Call, Effect, Passed, Segment, Sent
 from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.lens import LENS
@@ -21,6 +22,7 @@ EFFECTS: tuple[Effect, ...] = (
     PENUMBRAE,
     MIRRORS,
     REFRACTION,
+    ABSORPTION,
     CAUSTICS,
     AMBIENT,
     EMISSION,
@@ -29,4 +31,4 @@ EFFECTS: tuple[Effect, ...] = (
     SUPERSAMPLING,
 )
 
-__all__ = ["EFFECTS", "Call", "Effect", "Passed", "Sent"]
+__all__ = ["EFFECTS", "Call", "Effect", "Passed", "Segment", "Sent"]

@@ -14,7 +14,7 @@ from symrt.scene.lights import Illumination, Light
 from symrt.scene.records import Scene
 from symrt.tracing.raytree import Emitted, Film, Points
 from symrt.tracing.stage import Alternatives, Stage
-from symrt.tracing.view import View, Which
+from symrt.tracing.view import Batch, View, Which
 
 PerHit = Float[np.ndarray, " hit"]
 CARRIED = "carried"
@@ -109,6 +109,22 @@ class Passed:
 
 
 @dataclass(frozen=True, eq=False)
+class Segment:
+    """What an effect tells of rays on their way to their hits.
+
+    Parameters
+    ----------
+    inside
+        By the name of its transmittance, the length that each ray went in an absorbing material; 0 outside of it.
+    state
+        Values that the effect keeps for each ray from here on.
+    """
+
+    inside: Mapping[str, PerHit]
+    state: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
 class Effect:
     """An effect: a name, the test whether a scene calls for it, and a function at each seam where it acts.
 
@@ -128,6 +144,8 @@ class Effect:
         The share of a light's sample, as seen from the given hits, that reaches them, in [0, 1].
     figures
         True if `arriving` is for samples that stand for a whole figure, else for those that stand for a place.
+    segment
+        What rays met on their way to their hits, whose distances are given; asked also where the effect is left out.
     emitted
         The light that hits send to the viewer by themselves.
     onwards
@@ -146,6 +164,7 @@ class Effect:
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
     arriving: Callable[[Stage, View, Light, Which, Illumination, Counter[str]], Passed] | None = None
     figures: bool = False
+    segment: Callable[[Stage, Batch, View, PerHit], Segment] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     gathers: tuple[Literal["direct", "ambient"], ...] = ()
@@ -154,5 +173,5 @@ class Effect:
     @property
     def acts(self) -> bool:
         """True if it has a function at some seam, where it is noted which pixels it touches."""
-        seams = (self.film, self.surface, self.arriving, self.emitted, self.onwards)
+        seams = (self.film, self.surface, self.arriving, self.segment, self.emitted, self.onwards)
         return any(seam is not None for seam in seams)
