@@ -23,6 +23,7 @@ _NAMES = {
         "DiskLight",
         "Illumination",
         "PointLight",
+        "Interreflection",
         "RectangleLight",
         "SphereLight",
         "SurfaceLight",

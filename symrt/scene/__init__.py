@@ -4,6 +4,7 @@ from symrt.reading import shipped_scene
 from symrt.scene.area_lights import DiskLight, RectangleLight, SphereLight
 from symrt.scene.cameras import Camera, Window, camera_rays
 from symrt.scene.files import load_scene
+from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
 from symrt.scene.records import Material, Scene
 from symrt.scene.surface_lights import SurfaceLight
@@ -14,6 +15,7 @@ __all__ = [
     "DirectionalLight",
     "DiskLight",
     "Illumination",
+    "Interreflection",
     "Light",
     "Material",
     "PointLight",

@@ -7,7 +7,7 @@ import numpy as np
 from symrt.arrays import PerRay, Vectors, dot, length, normalise
 from symrt.scene.irradiance import vector_irradiance
 from symrt.scene.lights import Illumination, Points
-from symrt.scene.outlines import Outline
+from symrt.scene.outlines import Outline, place
 
 DARK = np.array([[0.0], [1.0], [0.0]])
 """Any direction, for light that does not arrive."""
@@ -48,6 +48,17 @@ def gauss_points(figure: Outline, count: int) -> Iterator[Illumination]:
         # Close to a place its part of the figure still fills no more than the half space.
         falloff = weight * area * facing / np.where(square > 0, square, np.inf)
         yield Illumination(direction, distance, np.minimum(falloff, 2 * np.pi))
+
+
+def drawn_place(figure: Outline, u: PerRay, v: PerRay) -> Illumination:
+    """One place of a figure for each point, by its coordinates from −1 to 1, that stands for all of the figure.
+
+    Over places that are drawn anew it is right on average.
+    """
+    towards, weight = place(figure, u, v)
+    direction, distance = begins(figure, towards)
+    # Close to a place the figure still fills no more than the half space.
+    return Illumination(direction, distance, np.minimum(figure.area * weight * figure.shines, 2 * np.pi))
 
 
 def _square_points(count: int) -> list[tuple[float, float, float]]:

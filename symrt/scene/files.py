@@ -32,6 +32,7 @@ from symrt.reading import number_faults, read_toml, scene_path
 from symrt.scene.area_lights import DiskLight, RectangleLight, SphereLight
 from symrt.scene.cameras import Camera
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
+from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
 from symrt.scene.records import Material, Scene
 from symrt.scene.surface_lights import SurfaceLight
@@ -53,6 +54,9 @@ KINDS: dict[str, dict[str, type]] = {
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
 }
 """The record of each `type` that a shape, a light and a texture may have."""
+
+RECORDS: dict[str, type] = {"camera": Camera, "interreflection": Interreflection}
+"""The record of each table that stands alone."""
 
 UNION_PARTS = frozenset({"int", "float", "str", "dict[str,str]"})
 """Parts that pydantic adds to a key to say which member of a union it tried."""
@@ -139,6 +143,7 @@ class Document:
         field(default_factory=dict)
     )
     depth: int = 4
+    interreflection: Interreflection | None = None
 
 
 @cache
@@ -173,6 +178,7 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
             lights=tuple(document.lights.values()),
             textures=tuple(document.textures.values()),
             depth=document.depth,
+            interreflection=document.interreflection,
             folder=folder,
         )
     except ValueError as error:
@@ -241,7 +247,7 @@ def _meant(where: tuple[str | int, ...], error: dict[str, Any]) -> tuple[str | i
 def _keys(where: tuple[str | int, ...]) -> list[str]:
     """The keys that the table of a key may have."""
     tag = where[2] if len(where) > 2 and where[0] in KINDS else None
-    record = KINDS[str(where[0])].get(str(tag)) if tag else Camera if where[0] == "camera" else None
+    record = KINDS[str(where[0])].get(str(tag)) if tag else RECORDS.get(str(where[0]))
     return [f.name for f in fields(record or Document) if f.name != "name"]
 
 
@@ -250,7 +256,7 @@ def _lines(where: tuple[str | int, ...], error: dict[str, Any]) -> Iterator[str]
     # The record that was tried, and the key as the file has it.
     tag = where[2] if len(where) > 2 and where[0] in KINDS else None
     known = KINDS.get(str(where[0]), {})
-    record = known.get(str(tag)) if tag else Camera if where[0] == "camera" else None
+    record = known.get(str(tag)) if tag else RECORDS.get(str(where[0]))
     keys = _keys(where)
     where = tuple(part for i, part in enumerate(where) if not (i == 2 and tag) and part not in UNION_PARTS)
     key, last = _dotted(where), where[-1]

@@ -16,6 +16,7 @@ from symrt.errors import hinting, refuse, shown, suggestion
 from symrt.scene.cameras import Camera
 from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
+from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Light
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import named
@@ -97,6 +98,8 @@ class Scene:
         Records with unique names.
     depth
         Number of mirror bounces followed; the light cut off after them is bounded and reported.
+    interreflection
+        The asking for light that diffusers send to each other; None for a scene lit by its lights alone.
     folder
         The folder that holds the files of meshes and textures.
 
@@ -125,6 +128,7 @@ class Scene:
     textures: Sequence[Any] = ()
     depth: int = 4
     folder: Path = Path()
+    interreflection: Interreflection | None = None
 
     def __post_init__(self) -> None:
         for key in ("shapes", "materials", "lights", "textures"):
@@ -227,6 +231,10 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
     yield from kinds
     yield from light_faults(scene.lights)
     yield from check_whole("depth", scene.depth, DEEPEST, least=0)
+    asked: object = scene.interreflection
+    if not isinstance(asked, Interreflection | None):
+        rule = "ask with a record, such as Interreflection(paths=64, depth=3)"
+        yield f"interreflection = {shown(asked)}: {rule}"
     if not kinds:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))

@@ -141,10 +141,12 @@ def _counted(planned: list[Planned], calls: Mapping[str, Call], depth: int) -> I
         if hits >= MOST_HITS:
             hits = MOST_HITS
             break
+    gathered = sum(call.gathered for call in simulated)
     for effect in planned:
         call = calls[effect.name]
         share = call.onwards * (hits - 1) // sent if sent else 0
-        yield replace(effect, a_sample=call.a_hit * hits + share) if effect.simulated else effect
+        expected = call.a_hit * (hits + gathered) + share + call.gathered
+        yield replace(effect, a_sample=expected) if effect.simulated else effect
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,12 @@ from symrt.arrays import dot
 from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL, VIEW
 from symrt.scene.area_lights import AreaLight
+from symrt.scene.figures import drawn_place
 from symrt.scene.lights import Answering, Illumination
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import Surface
 from symrt.tracing.factors import factors
+from symrt.tracing.gathering import GATHERED, LIGHT, PATH, SEED, drawn
 from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
 from symrt.tracing.stage import Stage
@@ -67,6 +69,7 @@ def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Poi
     for light in stage.lights:
         if isinstance(light, AreaLight):
             reached += _reached_from(stage, effects, light, view, shares, tally)
+            reached += _reached_from_a_place(stage, effects, light, view, asking, tally)
         else:
             samples = light.samples(view.surface.point)
             reached += [_reached(stage, effects, light, sample, view, asking, tally) for sample in samples]
@@ -144,13 +147,14 @@ def _reached_from(
     stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares, tally: Tally
 ) -> list[Reached]:
     """The hits that a light with an area reaches: diffusers as a whole, materials with highlights by its places."""
-    # The hits of both kinds of material; a texture may blend them.
+    # The hits of both kinds of material; a texture may blend them.  Where light is gathered one place is enough.
+    seen = view.state[GATHERED] == 0 if GATHERED in view.state else np.ones(view.slot.size, dtype=bool)
     needed = {True: np.zeros(view.slot.size, dtype=bool), False: np.zeros(view.slot.size, dtype=bool)}
     for material, (hit, _) in shares:
         others = (str(Surface(other, instead_of=material)) for other in stage.alternatives.get(material, ()))
         for model in (stage.materials[name].model for name in (material, *others)):
             if model.direct != 0:
-                needed[model.diffusing][hit] = True
+                needed[model.diffusing][hit] = seen[hit]
 
     # Hits that do not need the light do not ask for it.
     found = []
@@ -161,6 +165,27 @@ def _reached_from(
             reached = (_reached(stage, effects, light, sample, view, hits, tally) for sample in samples)
             found += [replace(one, diffusing=diffusing) for one in reached]
     return found
+
+
+def _reached_from_a_place(
+    stage: Stage,
+    effects: AtWork,
+    light: AreaLight,
+    view: View,
+    asking: Bool[np.ndarray, " hit"],
+    tally: Tally,
+) -> list[Reached]:
+    """The hits at which paths gather light, each reached from one place that is drawn on a light with an area."""
+    asked, bounces = stage.interreflection, view.state.get(GATHERED)
+    if asked is None or bounces is None or not bounces.any():
+        return []
+    u, v = np.zeros(bounces.size), np.zeros(bounces.size)
+    for bounce in np.unique(bounces[bounces > 0]).tolist():
+        hit = np.flatnonzero(bounces == bounce)
+        path = view.state[PATH][hit]
+        u[hit], v[hit] = drawn(view.state[SEED][hit], path, asked.paths, 4 * (bounce - 1) + LIGHT)
+    sample = drawn_place(light.outline(view.surface.point), 2 * u - 1, 2 * v - 1)
+    return [_reached(stage, effects, light, sample, view, asking & (bounces > 0), tally)]
 
 
 def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:

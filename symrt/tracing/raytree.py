@@ -153,6 +153,9 @@ class Level:
         As `emitted`, of an effect that was left out: it counts in the tail.
     inside
         By the name of its transmittance, the length that the ray to each hit went in an absorbing material, or 0.
+    gathered, path
+        Of each hit, how often diffusers sent its path on to gather light, and the number of that path; None where
+        nothing is gathered.
     """
 
     sample: Int[np.ndarray, " hit"]
@@ -162,6 +165,8 @@ class Level:
     cut: tuple[Branch, ...] = ()
     unlit: tuple[Emitted, ...] = ()
     inside: Mapping[str, Float[np.ndarray, " hit"]] = field(default_factory=dict)
+    gathered: Int[np.ndarray, " hit"] | None = None
+    path: Int[np.ndarray, " hit"] | None = None
 
     @property
     def size(self) -> int:

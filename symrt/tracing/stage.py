@@ -17,6 +17,7 @@ from symrt.reflection.bounds import largest
 from symrt.reflection.models import LIT
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
+from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Answering, answering
 from symrt.scene.records import Scene
 from symrt.symbols import Surface
@@ -65,6 +66,7 @@ class Stage:
     lights: tuple[Answering, ...]
     remembered: Mapping[str, LightRecord]
     depth: int
+    interreflection: Interreflection | None
     sending: Mapping[str, tuple[str, ...]]
     most: Mapping[str, Mapping[str, float]]
 
@@ -107,6 +109,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         + tuple(light for light in lights if light.via != "direct"),
         remembered={light.name: _remembered(light, camera, shapes, scene) for light in lights},
         depth=scene.depth,
+        interreflection=scene.interreflection,
         sending=sending,
         most={name: _most(record) for name, record in materials.items()},
     )

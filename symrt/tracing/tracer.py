@@ -25,6 +25,7 @@ from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import CARRIED, Sent
 from symrt.tracing.film import centres
+from symrt.tracing.gathering import GATHERED, PATH
 from symrt.tracing.plan import Plan
 from symrt.tracing.planner import AtWork, at_work, plan
 from symrt.tracing.points import points
@@ -76,12 +77,20 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     # The film's samples, and a ray from the camera through each.
     sampling = next((effect for effect in effects.simulated if effect.film is not None), None)
     sampled = centres if sampling is None or sampling.film is None else sampling.film
-    film, rays = sampled(stage.camera, Window(x0, y0, x1 - x0, y1 - y0))
+    of_film = Window(x0, y0, x1 - x0, y1 - y0)
+    film, rays = sampled(stage.camera, of_film)
     tally = Tally(film, (x1 - x0) * (y1 - y0), {one.name: one.acts for one in effects.simulated})
     if sampling is not None:
         tally.touch(sampling.name, np.flatnonzero(np.bincount(film.pixel)[film.pixel] > 1))
 
-    levels = _levels(stage, effects, rays, tally, chosen.tolerance)
+    # The values that effects keep for each ray, and the levels of the tree.
+    kept = {
+        name: value(film, stage.camera, of_film) if callable(value) else np.full(film.pixel.size, value)
+        for effect in effects.simulated
+        for name, value in effect.state.items()
+    }
+    batch = Batch(rays, np.arange(film.pixel.size), (), kept)
+    levels = _levels(stage, effects, batch, tally, chosen.tolerance)
     return RayTree(
         levels=levels,
         materials=stage.materials,
@@ -96,13 +105,10 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     )
 
 
-def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: float) -> tuple[Level, ...]:
+def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance: float) -> tuple[Level, ...]:
     """The levels of the tree, from the camera's rays until none goes on."""
-    size = rays.origin.shape[1]
-    kept = {name: np.full(size, value) for effect in effects.simulated for name, value in effect.state.items()}
-    batch = Batch(rays, np.arange(size), (), kept)
     levels: list[Level] = []
-    cast = Counter({CAMERA: size})
+    cast = Counter({CAMERA: batch.sample.size})
     while batch.sample.size:
         with tally.shared(cast):
             # Where the rays of all branches end; those that meet nothing are dropped.
@@ -128,15 +134,18 @@ def _levels(stage: Stage, effects: AtWork, rays: Rays, tally: Tally, tolerance: 
             with tally.timed(effect.name):
                 sent = [_parted(one, view.state, tolerance) for one in effect.onwards(stage, view, here)]
             for enough, rest in sent:
-                if len(levels) < stage.depth:
-                    followed += enough
-                    for one in enough:
-                        tally.sent(effect.name, one.via, view.sample[one.hit])
-                        cast[effect.name] += one.hit.size
-                else:
-                    cut += enough
-                cut += rest
-        levels.append(Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside))
+                within, beyond = _within(enough, stage.depth, len(levels), view.state)
+                for one in within:
+                    tally.sent(effect.name, one.via, view.sample[one.hit])
+                    cast[effect.name] += one.hit.size
+                followed += within
+                cut += beyond + rest
+        gathered, path = view.state.get(GATHERED), view.state.get(PATH)
+        levels.append(
+            Level(
+                batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside, gathered, path
+            )
+        )
         batch = _joined(batch, followed)
     return tuple(levels)
 
@@ -187,6 +196,21 @@ def _parted(sent: Sent, state: State, tolerance: float) -> tuple[list[Sent], lis
     return [sent.of(np.flatnonzero(enough))] if enough.any() else [], [sent.of(np.flatnonzero(~enough))]
 
 
+def _within(sent: list[Sent], depth: int, level: int, state: State) -> tuple[list[Sent], list[Sent]]:
+    """The rays that are followed, and those beyond the depth, in which the bounces of gathered light do not count."""
+    followed, cut = [], []
+    for one in sent:
+        if one.rays is None or (GATHERED not in state and level >= depth):
+            cut.append(one)
+        elif GATHERED not in state or GATHERED in one.state:
+            followed.append(one)
+        else:
+            within = level - state[GATHERED][one.hit] < depth
+            followed.append(one.of(np.flatnonzero(within)))
+            cut.append(one.of(np.flatnonzero(~within)))
+    return followed, cut
+
+
 def _sending(stage: Stage, effects: AtWork) -> dict[str, tuple[str, ...]]:
     """The formulas by which each material's surfaces send rays on: of those that lights meet, the ones effects use."""
     unused = {*LIT} - effects.gathered
@@ -200,16 +224,15 @@ def _branch(sent: Sent) -> Branch:
 
 def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
     """Join all rays that were sent on into one batch; effects' states are inherited where they did not change."""
-    if not sent:
+    followed = [one.rays for one in sent if one.rays is not None]
+    if not followed:
         return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})
 
     # The rays; −1 where no shape is known that a ray has left for good.
     rays = Rays(
-        np.concatenate([one.rays.origin for one in sent], axis=1),
-        np.concatenate([one.rays.direction for one in sent], axis=1),
-        np.concatenate(
-            [np.full(len(one.rays), -1, np.int32) if one.rays.left is None else one.rays.left for one in sent]
-        ),
+        np.concatenate([one.origin for one in followed], axis=1),
+        np.concatenate([one.direction for one in followed], axis=1),
+        np.concatenate([np.full(len(one), -1, np.int32) if one.left is None else one.left for one in followed]),
     )
 
     # The film sample and the states of the hits that they left.

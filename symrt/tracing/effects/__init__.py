@@ -10,6 +10,7 @@ from symrt.tracing.effects.caustics import CAUSTICS
 from symrt.tracing.effects.effect import Call, Effect, Passed, Segment, Sent
 from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.film import SUPERSAMPLING
+from symrt.tracing.effects.interreflection import INTERREFLECTION
 from symrt.tracing.effects.lens import LENS
 from symrt.tracing.effects.mirrors import MIRRORS
 from symrt.tracing.effects.penumbrae import PENUMBRAE
@@ -24,6 +25,7 @@ EFFECTS: tuple[Effect, ...] = (
     REFRACTION,
     ABSORPTION,
     CAUSTICS,
+    INTERREFLECTION,
     AMBIENT,
     EMISSION,
     TEXTURES,

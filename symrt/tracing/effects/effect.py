@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Shaped
 
 from symrt.geometry.rays import Rays
 from symrt.scene.cameras import Camera, Window
@@ -17,6 +17,8 @@ from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import Batch, View, Which
 
 PerHit = Float[np.ndarray, " hit"]
+Starting = Callable[[Film, Camera, Window], Shaped[np.ndarray, " sample"]]
+"""A value for each of the film's samples in a window of the camera's picture."""
 CARRIED = "carried"
 """The name of the state that keeps the share of its film sample's light that a ray carries at most.
 
@@ -42,6 +44,8 @@ class Call:
         Rays that end at each hit, such as one to each light that casts shadows.
     onwards
         Rays that each hit sends on, at most; they meet hits of their own, down to the scene's depth.
+    gathered
+        Rays of paths that gather light for each sample of the film.
     """
 
     by: tuple[str, ...]
@@ -50,6 +54,7 @@ class Call:
     left_out: str = ""
     a_hit: int = 0
     onwards: int = 0
+    gathered: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +67,8 @@ class Sent:
         The formula, a field of `Model`, for the share of the rays' radiance that is sent on to the viewer.
     hit
         The hit that each ray leaves from, ascending.
+    rays
+        The rays; None if they are not followed, and what they would bring is bounded in the tail.
     weight
         A further share of each ray.  Over the rays that a hit sends by one formula the weights sum to at most 1; by
         ``direct``, which tells radiance per irradiance, each times the ray's n·l, and they sum to at most π.
@@ -80,7 +87,7 @@ class Sent:
 
     via: str
     hit: Int[np.ndarray, " ray"]
-    rays: Rays
+    rays: Rays | None
     weight: Float[np.ndarray, " ray"]
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
     state: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -92,7 +99,7 @@ class Sent:
         return replace(
             self,
             hit=self.hit[which],
-            rays=self.rays[which],
+            rays=None if self.rays is None else self.rays[which],
             weight=self.weight[which],
             factors={name: values[which] for name, values in self.factors.items()},
             state={name: values[which] for name, values in self.state.items()},
@@ -153,7 +160,8 @@ class Effect:
     gathers
         Formulas that lights meet, by which `onwards` sends rays on as well: certificates are to count them.
     state
-        Names of the values that it keeps for each ray, with those that the camera's rays start with.
+        Names of the values that it keeps for each ray, with those that the camera's rays start with: the same for all,
+        or a function of the film's samples.
     """
 
     name: str
@@ -168,7 +176,7 @@ class Effect:
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     gathers: tuple[Literal["direct", "ambient"], ...] = ()
-    state: Mapping[str, float | int] = field(default_factory=dict)
+    state: Mapping[str, float | int | Starting] = field(default_factory=dict)
 
     @property
     def acts(self) -> bool:

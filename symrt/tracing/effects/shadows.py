@@ -26,13 +26,17 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:
 
 
 def _places(light: Light, scene: Scene, alternatives: Alternatives) -> int:
-    """The places of a light that cast shadows; one with an area has places for materials with highlights only."""
+    """The places of a light that cast shadows; one with an area has some for materials with highlights, and for paths.
+
+    Where paths gather light it is seen from one place of it at each hit.
+    """
     if not isinstance(light, AreaLight):
         return 1
+    gathering = 1 if scene.interreflection is not None and scene.interreflection.depth else 0
     used = {*scene.used_materials, *(other for others in alternatives.values() for other in others)}
     models = (material.reflection for material in scene.materials if material.name in used)
     glossy = any(model.direct != 0 and not model.diffusing for model in models)
-    return len(light.samples(np.zeros((3, 1)))) if glossy else 0
+    return len(light.samples(np.zeros((3, 1)))) if glossy else gathering
 
 
 def _visible(

@@ -1,0 +1,158 @@
+"""Diffuse interreflection: furnaces, exact form factors, the plain tracer on the same paths, tiles, and bounds."""
+
+import importlib
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import qmc
+
+import symrt as rt
+from symrt.linear.job import make_job
+from symrt.tracing.sobol import DIMENSIONS, sequence
+
+gathering = importlib.import_module("symrt.tracing.gathering")
+
+
+def ball(paths=4, depth=3, model="lambert", mirrors=2):
+    """A closed ball of paint with a lamp in its middle, and the camera inside."""
+    return rt.Scene(
+        camera=rt.Camera(position=(0.25, 0.125, 0), target=(0, 0, 0.5), width=4, height=4, field_of_view=60),
+        shapes=[rt.Sphere(centre=(0, 0, 0), radius=2, material="wall")],
+        materials=[rt.Material("wall", model=model)],
+        lights=[rt.PointLight("lamp", position=(0, 0, 0))],
+        depth=mirrors,
+        interreflection=rt.Interreflection(paths, depth),
+    )
+
+
+def cornell(size=16, paths=8, depth=3, lamp=None, **changes):
+    """A box that is open in front, two boxes in it, and a rectangle that shines below its ceiling."""
+    walls = [
+        ((0, -1, 0), (2, 0, 0), (0, 0, -2), "white"),
+        ((0, 1, 0), (2, 0, 0), (0, 0, 2), "white"),
+        ((0, 0, -1), (2, 0, 0), (0, 2, 0), "white"),
+        ((-1, 0, 0), (0, 0, -2), (0, 2, 0), "red"),
+        ((1, 0, 0), (0, 0, 2), (0, 2, 0), "green"),
+    ]
+    boxes = [
+        rt.Box((-0.33, -0.4, -0.3), (0.6, 1.2, 0.6), "white", rotate=(0, 18, 0)),
+        rt.Box((0.35, -0.7, 0.3), (0.6, 0.6, 0.6), "white", rotate=(0, -17, 0)),
+    ]
+    scene = rt.Scene(
+        camera=rt.Camera(position=(0, 0, 3.6), target=(0, 0, 0), field_of_view=40, width=size, height=size),
+        shapes=[*(rt.Rectangle(*wall) for wall in walls), *boxes],
+        materials=[rt.Material(name, "lambert") for name in ("white", "red", "green")],
+        lights=[lamp or rt.RectangleLight("lamp", (0, 0.99, 0), edge_u=(0.5, 0, 0), edge_v=(0, 0, 0.5))],
+        interreflection=rt.Interreflection(paths, depth),
+    )
+    return replace(scene, **changes)
+
+
+def coloured(**changes):
+    colours = {"lamp": [18, 15, 11], "white.diffuse": 0.74, "red.diffuse": [0.63, 0.06, 0.05]}
+    return rt.Palette(rt.RGB, colours | {"green.diffuse": [0.14, 0.45, 0.09]} | changes)
+
+
+def test_the_sequence_is_sobols():
+    with np.errstate(all="ignore"):
+        expected = qmc.Sobol(DIMENSIONS, scramble=False, bits=32).random(256)
+    # Theirs is in the order of Gray's code.
+    gray = np.arange(256) ^ np.arange(256) >> 1
+    found = np.stack([sequence(256, k)[gray] for k in range(DIMENSIONS)], axis=1) * 2.0**-32
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("depth", [0, 1, 4])
+@pytest.mark.parametrize("paths", [1, 7, 8])
+def test_a_furnace_is_the_geometric_series(depth, paths):
+    # The lamp gives every place of the wall the same, and each bounce sends on ρ of it: Σ ρ^k, whatever the paths.
+    system = rt.render(ball(paths, depth), progress=False)
+    powers = [f"lamp*wall.diffuse**{k}" if k > 1 else "lamp*wall.diffuse" for k in range(1, depth + 2)]
+    assert [str(i) for i in system.interactions] == powers
+    np.testing.assert_allclose(system.G.toarray(), 1 / (4 * np.pi), rtol=1e-13)
+
+
+def test_beside_mirrors_each_kind_of_bounce_has_a_depth_of_its_own():
+    # Twice mirrored, twice scattered, in every order: binomials.
+    system = rt.render(ball(3, 2, ["lambert", "mirror"], mirrors=2), progress=False)
+    sums = {str(i): g for i, g in zip(system.interactions, system.G.toarray()[0] * 4 * np.pi, strict=True)}
+    assert len(sums) == 9
+    for d in range(3):
+        for m in range(3):
+            diffuse = f"*wall.diffuse**{d + 1}" if d else "*wall.diffuse"
+            mirror = f"*wall.mirror**{m}" if m > 1 else "*wall.mirror" * m
+            assert sums[f"lamp{diffuse}{mirror}"] == pytest.approx(math.comb(d + m, d), rel=1e-12)
+
+
+@pytest.mark.parametrize("workers", [1, 2, pytest.param("processes", marks=pytest.mark.exhaustive)])
+def test_tiles_and_workers_have_the_same_bits(workers):
+    scene = cornell(72, 4)
+    whole = rt.collapse(rt.trace(scene))
+    assert len(make_job(scene).windows()) > 1
+    rendered = rt.render(scene, workers=workers, progress=False)
+    part = rt.collapse(rt.trace(scene, window=(3, 2, 11, 9)))
+    np.testing.assert_array_equal(rendered.G.toarray(), whole.G.toarray())
+    rows = whole.G.toarray().reshape(72, 72, -1)[2:9, 3:11].reshape(56, -1)
+    for j, interaction in enumerate(part.interactions):
+        np.testing.assert_array_equal(part.G[:, [j]].toarray()[:, 0], rows[:, whole.interactions.index(interaction)])
+    assert np.count_nonzero(rows) == part.G.nnz
+
+
+def test_a_scene_that_does_not_ask_has_the_same_light_from_its_lights():
+    with_it = rt.render(cornell(), progress=False)
+    without = rt.render(cornell(interreflection=None), progress=False)
+    none = rt.render(cornell(depth=0), progress=False)
+    for system in (without, none):
+        assert {i.degree for i in system.interactions} == {1}
+        for j, interaction in enumerate(system.interactions):
+            column = with_it.G[:, [with_it.interactions.index(interaction)]]
+            np.testing.assert_array_equal(system.G[:, [j]].toarray(), column.toarray())
+    assert "interreflection" not in without.counts.effects
+    assert without.tail.bound.nnz == 0
+    assert none.tail.bound.nnz > 0
+    chosen = {effect.name: effect for effect in rt.plan(cornell(depth=0)).effects}["interreflection"]
+    assert (chosen.state, chosen.why) == ("left out, bounded", "its depth is 0")
+    assert {effect.name: effect for effect in rt.plan(cornell(interreflection=None)).effects}[
+        "interreflection"
+    ].why == "the scene does not ask for it"
+
+
+@pytest.mark.parametrize("depth", [0, 1, 2, 3])
+def test_what_is_missing_is_within_the_bound(depth):
+    # Of the same paths, deeper: what they bring is what is missing.
+    deep, cut = (rt.render(cornell(8, 4, d), progress=False) for d in (8, depth))
+    for share in (0.3, 0.5, 0.7, 0.9, 0.95):
+        palette = coloured(**{f"{name}.diffuse": share for name in ("white", "red", "green")})
+        image = rt.shade(cut, palette)
+        missing = (rt.shade(deep, palette).values - image.values).max(axis=(0, 1))
+        assert np.all(missing > 0)
+        assert np.all(missing <= image.cut_off)
+        assert np.all(np.isfinite(image.cut_off))
+
+
+def test_fresh_trees_and_other_palettes_are_one():
+    # Walls repainted after the fact, against a scene that was painted so from the beginning.
+    system = rt.render(cornell(12, 4), progress=False)
+    swapped = cornell(12, 4)
+    names = {"red": "green", "green": "red"}
+    shapes = [replace(s, material=names.get(s.material, s.material)) for s in swapped.shapes[:5]] + [
+        *swapped.shapes[5:]
+    ]
+    fresh = rt.shade(rt.render(replace(swapped, shapes=shapes), progress=False), coloured())
+    palette = coloured(**{"red.diffuse": [0.14, 0.45, 0.09], "green.diffuse": [0.63, 0.06, 0.05]})
+    np.testing.assert_allclose(rt.shade(system, palette).values, fresh.values, rtol=1e-12)
+
+
+def test_bad_input_says_what_to_do():
+    for bad, says in (
+        ({"paths": 0}, "paths = 0: it must be a whole number from 1 to 65536"),
+        ({"paths": 2.5}, "paths = 2.5: it must be a whole number"),
+        ({"depth": -1}, "depth = -1: it must be a whole number from 0 to 8"),
+        ({"depth": 9}, "depth = 9: it must be a whole number from 0 to 8"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            rt.Interreflection(**bad)
+    with pytest.raises(ValueError, match=r"interreflection = 64: ask with a record, such as Interreflection\(paths=64"):
+        cornell(interreflection=64)
