@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt64
 
 from symrt.scene.cameras import Camera, Window
+from symrt.tracing.nets import hashed
 from symrt.tracing.raytree import Film
 from symrt.tracing.sobol import BITS, sequence
 
@@ -24,7 +25,7 @@ def seeds(film: Film, camera: Camera, window: Window) -> UInt64[np.ndarray, " sa
     down, across = np.divmod(film.pixel, window.width)
     pixel = (window.top + down) * camera.width + window.left + across
     within = np.arange(film.pixel.size) - np.searchsorted(film.pixel, film.pixel)
-    return mixed(pixel.astype(np.uint64) << np.uint64(20) | within.astype(np.uint64))
+    return hashed(pixel.astype(np.uint64) << np.uint64(20) | within.astype(np.uint64))
 
 
 def drawn(
@@ -42,23 +43,10 @@ def drawn(
         The first of the two dimensions.
     """
     # One hash has digits to flip for both.
-    flips = mixed(seed + np.uint64(dimension + 1))
+    flips = hashed(seed + np.uint64(dimension))
     high, low = (flips >> np.uint64(BITS)).astype(np.uint32), flips.astype(np.uint32)
     first, second = (
         (sequence(paths, dimension + k)[path] ^ flip) * 2.0**-BITS + 2.0 ** -(BITS + 1)
         for k, flip in enumerate((high, low))
     )
     return first, second
-
-
-def mixed(numbers: UInt64[np.ndarray, " number"]) -> UInt64[np.ndarray, " number"]:
-    """Mix the binary digits of whole numbers, one to one, so that numbers which are close differ in half of them [1]_.
-
-    References
-    ----------
-    .. [1] G. L. Steele, D. Lea and C. H. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
-    """
-    z = numbers + np.uint64(0x9E3779B97F4A7C15)
-    z = (z ^ z >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ z >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
-    return z ^ z >> np.uint64(31)

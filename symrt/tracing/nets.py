@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float, Int, UInt
 
-BITS = 32
+from symrt.tracing.sobol import BITS, sequence
 
 
 def net(number: Int[np.ndarray, " set"], count: int) -> Float[np.ndarray, "2 set point"]:
@@ -28,7 +28,7 @@ def net(number: Int[np.ndarray, " set"], count: int) -> Float[np.ndarray, "2 set
     >>> (net(np.array([7]), 4)[:, 0] // 0.5).T.tolist()
     [[1.0, 1.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
     """
-    flips = _hash(number.astype(np.uint64))
+    flips = hashed(number.astype(np.uint64))
     halves = np.stack([flips >> np.uint64(BITS), flips & np.uint64(2**BITS - 1)])
     # Half a step off the lattice: no coordinate is 0 or 1.
     return ((_sequence(count)[:, None, :] ^ halves[:, :, None]).astype(float) + 0.5) * 2.0**-BITS
@@ -59,19 +59,19 @@ def disk(square: Float[np.ndarray, "2 *point"]) -> Float[np.ndarray, "2 *point"]
 @cache
 def _sequence(count: int) -> UInt[np.ndarray, "2 point"]:
     """The first points of the sequence, as whole numbers of 2⁻³²."""
-    index = np.arange(count, dtype=np.uint64)
-    points = np.zeros((2, count), dtype=np.uint64)
-    first = second = np.uint64(1 << (BITS - 1))
-    for bit in range(count.bit_length()):
-        present = index >> np.uint64(bit) & np.uint64(1) == 1
-        points[:, present] ^= np.array([[first], [second]])
-        first, second = first >> np.uint64(1), second ^ (second >> np.uint64(1))
+    points = np.stack([sequence(count, dimension) for dimension in (0, 1)]).astype(np.uint64)
     points.flags.writeable = False
     return points
 
 
-def _hash(number: UInt[np.ndarray, " set"]) -> UInt[np.ndarray, " set"]:
-    """64 bits, each of which hangs on all bits of a number: SplitMix64."""
+def hashed(number: UInt[np.ndarray, " set"]) -> UInt[np.ndarray, " set"]:
+    """64 bits, each of which hangs on all bits of a number: SplitMix64.
+
+    Examples
+    --------
+    >>> hashed(np.array([0, 1], dtype=np.uint64)).tolist()
+    [16294208416658607535, 7960286522194355700]
+    """
     z = (number + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ z >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ z >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)

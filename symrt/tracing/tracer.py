@@ -142,9 +142,7 @@ def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance
                 cut += beyond + rest
         gathered, path = view.state.get(GATHERED), view.state.get(PATH)
         levels.append(
-            Level(
-                batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside, gathered, path
-            )
+            Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside, gathered, path)
         )
         batch = _joined(batch, followed)
     return tuple(levels)

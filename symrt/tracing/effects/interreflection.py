@@ -19,7 +19,9 @@ from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import Call, Effect, Sent
 from symrt.tracing.gathering import DIRECTION, GATHERED, PATH, SEED, drawn, seeds
+from symrt.tracing.nets import disk
 from symrt.tracing.raytree import Points
+from symrt.tracing.sobol import BITS
 from symrt.tracing.stage import Alternatives, Stage, senders
 from symrt.tracing.view import View, Which
 
@@ -82,22 +84,15 @@ def _cut(hit: Which, materials: set[str]) -> Sent:
 
 
 def _scattered(normal: Vectors, u: Float[np.ndarray, " ray"], v: Float[np.ndarray, " ray"]) -> Vectors:
-    """Unit vectors about a normal, of the density cosθ/π, from pairs of numbers between 0 and 1 [1]_ [2]_.
+    """Unit vectors about a normal, of the density cosθ/π, from pairs of numbers between 0 and 1 [1]_.
 
     References
     ----------
-    .. [1] P. Shirley and K. Chiu, "A Low Distortion Map Between Disk and Square", J. Graphics Tools 2(3), 1997.
-    .. [2] T. Duff et al., "Building an Orthonormal Basis, Revisited", J. Computer Graphics Techniques 6(1), 2017.
+    .. [1] T. Duff et al., "Building an Orthonormal Basis, Revisited", J. Computer Graphics Techniques 6(1), 2017.
     """
-    # From the square to the disk, squares to circles: the larger coordinate is the radius.
-    u, v = 2 * u - 1, 2 * v - 1
-    steep = np.abs(u) < np.abs(v)
-    radius, other = np.where(steep, v, u), np.where(steep, u, v)
-    angle = np.pi / 4 * other / radius
-    near, off = radius * np.cos(angle), radius * np.sin(angle)
-    x, y = np.where(steep, off, near), np.where(steep, near, off)
+    x, y = disk(np.stack([u, v]))
     # The radius is below 1 by 2⁻³², so that no direction grazes the surface.
-    z = np.sqrt((1 - radius) * (1 + radius))
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 2.0**-BITS))
 
     # Two vectors across the normal.
     sign = np.copysign(1.0, normal[2])
