@@ -7,7 +7,7 @@ import numpy as np
 
 from symrt.headers import count_of, list_of, text_of
 from symrt.interactions import Interaction
-from symrt.windows import EVERYWHERE, Window
+from symrt.windows import EVERYWHERE, SpectralWindow
 
 
 def row_of(interaction: Interaction) -> list[Any]:
@@ -32,11 +32,11 @@ def columns_of(rows: list[Any]) -> tuple[Interaction, ...]:
     )
 
 
-def _window(parts: Any = None) -> Window | tuple[()]:
+def _window(parts: Any = None) -> SpectralWindow | tuple[()]:
     if parts is None or parts == []:
         return EVERYWHERE
     low, centre, high = (float.fromhex(text_of(part)) for part in list_of(parts))
-    return Window(low, centre, high)
+    return SpectralWindow(low, centre, high)
 
 
 def _powers(rows: Any = None) -> tuple[tuple[str, float], ...]:

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from symrt.errors import shown
 from symrt.symbols import Symbol
-from symrt.windows import EVERYWHERE, Window
+from symrt.windows import EVERYWHERE, SpectralWindow
 from symrt.written import written_terms
 
 BLACK = (0.0, ())
@@ -40,7 +40,7 @@ class Interaction:
     --------
     >>> str(Interaction("sun", ("sea.diffuse", "sea.mirror", "sea.mirror")))
     'sun*sea.diffuse*sea.mirror**2'
-    >>> str(Interaction("sun", ("sea.diffuse",), window=Window(400, 500, 600)))
+    >>> str(Interaction("sun", ("sea.diffuse",), window=SpectralWindow(400, 500, 600)))
     'sun*sea.diffuse*[400 … 500 … 600 nm]'
     >>> str(Interaction("sun", ("sea.diffuse",), powers=(("wine.transmittance", 1.413),)))
     'sun*sea.diffuse*wine.transmittance**1.413'
@@ -49,7 +49,7 @@ class Interaction:
     light: str
     met: tuple[str, ...] = ()
     nodes: tuple[tuple[str, int], ...] = ()
-    window: Window | tuple[()] = EVERYWHERE
+    window: SpectralWindow | tuple[()] = EVERYWHERE
     powers: tuple[tuple[str, float], ...] = ()
 
     def __str__(self) -> str:
@@ -161,7 +161,7 @@ def written(text: str) -> list[tuple[Interaction, float]]:
     found = []
     for coefficient, factors in (term for term in written_terms(text) if term != BLACK):
         words = [factor for factor in factors if isinstance(factor, str)]
-        windows = [Window.of(word) for word in words if word.startswith("[")]
+        windows = [SpectralWindow.of(word) for word in words if word.startswith("[")]
         names = [word for word in words if not word.startswith("[")]
         symbols = [Symbol.of(name) for name in names]
         lights = [symbol.light for symbol in symbols if symbol.light]

@@ -20,7 +20,7 @@ WRITTEN = rf"\[\s*(?:{NUMBER})?\s*(?:…|\.\.\.)\s*{NUMBER}\s*(?:…|\.\.\.)\s*(
 PARTS = re.compile(rf"\[\s*({NUMBER})?\s*(?:…|\.\.\.)\s*({NUMBER})\s*(?:…|\.\.\.)\s*({NUMBER})?\s*nm\s*\]")
 
 
-class Window(NamedTuple):
+class SpectralWindow(NamedTuple):
     """A part of the spectrum, in nm: it rises from `low` to `centre`, and falls to `high`.
 
     The first window has nothing below its centre, where `low` is the centre itself; the last has nothing above.
@@ -37,7 +37,7 @@ class Window(NamedTuple):
     high: float | int
 
     @staticmethod
-    def of(text: str) -> "Window":
+    def of(text: str) -> "SpectralWindow":
         """The window that a text names; three dots may stand for ``…``.
 
         Raises
@@ -47,14 +47,14 @@ class Window(NamedTuple):
 
         Examples
         --------
-        >>> Window.of("[400 ... 500 ... 700 nm]")
-        Window(low=400.0, centre=500.0, high=700.0)
+        >>> SpectralWindow.of("[400 ... 500 ... 700 nm]")
+        SpectralWindow(low=400.0, centre=500.0, high=700.0)
         """
         found = PARTS.fullmatch(text.strip())
         if found is None or not (found[1] or found[3]):
             raise ValueError(f"{shown(text)}: write a window of wavelengths as [400 … 500 … 600 nm]")
         centre = float(found[2])
-        window = Window(float(found[1] or centre), centre, float(found[3] or centre))
+        window = SpectralWindow(float(found[1] or centre), centre, float(found[3] or centre))
         if fault := window.fault:
             raise ValueError(f"{shown(text)}: {fault}; write [400 … 500 … 600 nm]")
         return window
@@ -78,7 +78,7 @@ class Window(NamedTuple):
 
         Examples
         --------
-        >>> Window(400, 500, 700).weights(np.array([400.0, 450.0, 500.0, 650.0, 800.0]))
+        >>> SpectralWindow(400, 500, 700).weights(np.array([400.0, 450.0, 500.0, 650.0, 800.0]))
         array([0.  , 0.5 , 1.  , 0.25, 0.  ])
         """
         beyond = (nm < self.centre) & (self.low == self.centre) | (nm > self.centre) & (self.high == self.centre)
@@ -104,17 +104,17 @@ EVERYWHERE: tuple[()] = ()
 """The window of light that no glass has bent apart: all of the spectrum."""
 
 
-def windows_of(nodes: Sequence[float | int]) -> tuple[Window, ...]:
+def windows_of(nodes: Sequence[float | int]) -> tuple[SpectralWindow, ...]:
     """The windows around increasing wavelengths, in nm, each from the one before to the next.
 
     Examples
     --------
     >>> windows_of([400, 700])
-    (Window(low=400.0, centre=400.0, high=700.0), Window(low=400.0, centre=700.0, high=700.0))
+    (SpectralWindow(low=400.0, centre=400.0, high=700.0), SpectralWindow(low=400.0, centre=700.0, high=700.0))
     """
     at = [float(nm) for nm in nodes]
     lows, highs = [at[0], *at[:-1]], [*at[1:], at[-1]]
-    return tuple(Window(*parts) for parts in zip(lows, at, highs, strict=True))
+    return tuple(SpectralWindow(*parts) for parts in zip(lows, at, highs, strict=True))
 
 
 def even_nodes(count: int, first: float | int, last: float | int) -> tuple[float, ...]:

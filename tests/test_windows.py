@@ -14,7 +14,7 @@ import symrt as rt
 from symrt.interactions import Interaction
 from symrt.linear import coefficient_matrix
 from symrt.spectra.shading import gamma
-from symrt.windows import Window, even_nodes, windows_of
+from symrt.windows import SpectralWindow, even_nodes, windows_of
 
 NODES = [380.0, 438.5, 512.25, 600.0, 730.0]
 WINDOWS = windows_of(NODES)
@@ -40,7 +40,7 @@ def test_a_window_is_read_as_it_is_written(nodes):
         column = Interaction("sun", ("sea.diffuse", "sea.mirror", "sea.mirror"), window=window)
         system = rt.LinearSystem.of(f"0.5*{column}")
         assert system.interactions == (column,)
-        assert Window.of(str(window).replace("…", "...")) == window
+        assert SpectralWindow.of(str(window).replace("…", "...")) == window
 
 
 def test_even_nodes_are_whole_and_reach_both_ends():
@@ -113,7 +113,12 @@ def test_systems_with_windows_are_saved_and_those_without_stay_as_they_were(tmp_
     again = rt.load_system(tmp_path / "s.npz")
     assert again.interactions == system.interactions
     np.testing.assert_array_equal(again.G.toarray(), system.G.toarray())
-    for bad in (Window(500, 400, 600), Window(400, 400, 400), Window(-1, 400, 500), Window(400, math.nan, 500)):
+    for bad in (
+        SpectralWindow(500, 400, 600),
+        SpectralWindow(400, 400, 400),
+        SpectralWindow(-1, 400, 500),
+        SpectralWindow(400, math.nan, 500),
+    ):
         with pytest.raises(ValueError, match=r"not saved: a window is \[.*\]: the wavelengths of a window"):
             rt.save_system(
                 tmp_path / "bad.npz",

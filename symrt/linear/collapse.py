@@ -16,7 +16,7 @@ from symrt.errors import require
 from symrt.interactions import Interaction
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
-from symrt.linear.paths import Glowing, Lighted, Lost, Pairs, ends
+from symrt.linear.paths import Glowing, Index, Lighted, Lost, Pairs, ends
 from symrt.linear.products import Product, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.spreading import spread
@@ -24,6 +24,7 @@ from symrt.reflection.models import LIT
 from symrt.system import LinearSystem
 from symrt.tails import Tail
 from symrt.tracing.raytree import LightRecord, RayTree
+from symrt.windows import SpectralWindow
 
 
 def collapse(
@@ -81,19 +82,23 @@ class Gathering:
         The product of two products of reflectances, sorted or in order.
     clear
         True if absorption was left out: glass is taken for clear, and what it would absorb is bounded.
+    windows
+        The windows of wavelengths, by number, that paths are of.
     """
 
     program: Program
     lights: Mapping[str, LightRecord]
     product: Product
     clear: bool
+    windows: tuple[SpectralWindow, ...] = ()
     entries: Entries = field(default_factory=Entries)
     tail: Entries = field(default_factory=Entries)
 
 
 def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSystem:
     """Evaluate a compiled program on the numbers of a tree."""
-    found = Gathering(program, tree.lights, in_order if ordered else commuting, "absorption" in tree.plan.left_out)
+    product, clear = in_order if ordered else commuting, "absorption" in tree.plan.left_out
+    found = Gathering(program, tree.lights, product, clear, tree.windows)
     for end in ends(program, tree, found.product):
         match end:
             case Lighted() if end.bounded:
@@ -138,20 +143,31 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
 
 def _add(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
     """Add numbers to G, each to the column of its product; light in glass is shared out to powers of lengths."""
+    columns, which = _within(found, columns, pairs)
     if not pairs.inside or found.clear:
-        found.entries.add(columns, pairs.product, pairs.pixel, value)
+        found.entries.add(columns, which, pairs.pixel, value)
         return
-    parts = spread(columns, pairs.product, pairs.inside, found.program.lengths)
+    parts = spread(columns, which, pairs.inside, found.program.lengths)
     found.entries.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin] * parts.share)
 
 
 def _bound(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
     """Add numbers to the tail, as `_add` does to G; what glass leaves of them is bounded by the node below."""
+    columns, which = _within(found, columns, pairs)
     if not pairs.inside or found.clear:
-        found.tail.add(columns, pairs.product, pairs.pixel, value)
+        found.tail.add(columns, which, pairs.pixel, value)
         return
-    parts = spread(columns, pairs.product, pairs.inside, found.program.lengths, bounding=True)
+    parts = spread(columns, which, pairs.inside, found.program.lengths, bounding=True)
     found.tail.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin])
+
+
+def _within(found: Gathering, columns: Sequence[Interaction], pairs: Pairs) -> tuple[Sequence[Interaction], Index]:
+    """The columns of all products within all windows of wavelengths, and which of them each pair is of."""
+    if pairs.window is None:
+        return columns, pairs.product
+    split = [(column, *(replace(column, window=window) for window in found.windows)) for column in columns]
+    which = pairs.product * (1 + len(found.windows)) + 1 + pairs.window
+    return [column for each in split for column in each], which
 
 
 def _in_glass(pairs: Pairs) -> Pairs:

@@ -18,7 +18,7 @@ from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
-from symrt.windows import Window
+from symrt.windows import SpectralWindow
 
 MANY = 24
 """Most letters of a pixel's film samples that are shown one by one; of more the ranges are."""
@@ -111,7 +111,7 @@ class Formula:
                 f"{windows[0].name}: the pixel depends on the wavelength: give nm=, such as the palette's bands.centres"
             )
         for symbol in windows:
-            weights = Window.of(symbol.name).weights(np.atleast_1d(np.asarray(nm, dtype=float)))
+            weights = SpectralWindow.of(symbol.name).weights(np.atleast_1d(np.asarray(nm, dtype=float)))
             leaves[symbol] = float(weights[0]) if isinstance(nm, float | int) else weights
         missing = sorted(s.name for s in free - set(leaves))
         if missing:

@@ -14,7 +14,7 @@ from symrt.linear.formulas import Formula
 from symrt.linear.functions import function_of
 from symrt.reflection.symbols import Factor, Hat, Light, Reflectance, lobe_value
 from symrt.system import LinearSystem
-from symrt.windows import EVERYWHERE, Window
+from symrt.windows import EVERYWHERE, SpectralWindow
 
 
 def linear_form(expression: sympy.Expr) -> dict[Interaction, sympy.Expr]:
@@ -104,5 +104,5 @@ def _interaction(product: sympy.Expr) -> Interaction:
         raise ValueError(f"{product} has {len(lights)} lights: every path of light starts at exactly one")
     if len(windows) > 1:
         raise ValueError(f"{product} has {len(windows)} windows of wavelengths: light is in one, or in none")
-    window = Window.of(windows[0]) if windows else EVERYWHERE
+    window = SpectralWindow.of(windows[0]) if windows else EVERYWHERE
     return Interaction(lights[0], tuple(sorted(met)), window=window, powers=tuple(sorted(powers)))

@@ -35,6 +35,8 @@ class Paths:
         Distinct products of reflectances.
     inside
         The lengths to each hit of the level in absorbing materials.
+    window
+        The window of wavelengths that each hit of the level is seen in, −1 for all of them; None where there are none.
     """
 
     hit: Int[np.ndarray, " path"]
@@ -42,6 +44,7 @@ class Paths:
     coefficient: Float[np.ndarray, " path"]
     products: tuple[Monomial, ...]
     inside: Inside = field(default_factory=dict)
+    window: Index | None = None
 
     def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
         """Pairs of a point and a path that leads to it: the point's place in `hit`, and the path's index."""
@@ -99,6 +102,8 @@ class Pairs:
         The number that the path carries, times the thing's own.
     inside
         The lengths of the path in absorbing materials.
+    window
+        The window of wavelengths of the path, −1 for all of them; None where there are none.
     """
 
     which: Index
@@ -107,6 +112,7 @@ class Pairs:
     value: Float[np.ndarray, " entry"]
     products: tuple[Monomial, ...]
     inside: Inside = field(default_factory=dict)
+    window: Index | None = None
 
     def of(self, some: Index) -> "Pairs":
         """Some of the pairs."""
@@ -118,6 +124,7 @@ class Pairs:
             pixel=self.pixel[some],
             value=self.value[some],
             inside=inside,
+            window=None if self.window is None else self.window[some],
         )
 
 
@@ -209,7 +216,8 @@ def _pairs(
     which, path = paths.to(hit)
     carried = paths.coefficient[path] * value[which]
     inside = {name: length[hit][which] for name, length in paths.inside.items()}
-    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products, inside)
+    window = None if paths.window is None else paths.window[hit][which]
+    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products, inside, window)
 
 
 def _lost(
@@ -220,14 +228,17 @@ def _lost(
     ray = part.ray[some]
     hit = branch.parent[ray]
     inside = {name: length[hit] for name, length in paths.inside.items()}
-    pairs = Pairs(ray, paths.product[part.path[some]], pixel[hit], value[some], paths.products, inside)
+    # A ray may be split off into a window where it starts.
+    window = None if paths.window is None else paths.window[hit] if branch.window is None else branch.window[ray]
+    pairs = Pairs(ray, paths.product[part.path[some]], pixel[hit], value[some], paths.products, inside, window)
     return Lost(part.met, pairs)
 
 
 def from_the_eye(level: Level, film: Film) -> Paths:
     """The paths to the camera's hits: nothing met yet, each with its sample's weight."""
     size = level.size
-    return Paths(np.arange(size), np.zeros(size, dtype=np.int64), film.weight[level.sample], ((),), level.inside)
+    product, weight = np.zeros(size, dtype=np.int64), film.weight[level.sample]
+    return Paths(np.arange(size), product, weight, ((),), level.inside, level.window)
 
 
 def passing(program: Program, level: Level, branch: Branch, paths: Paths) -> Iterator[Passing]:
@@ -280,7 +291,8 @@ def continued(below: Level, parts: Sequence[Sequence[Passing]], paths: Paths, pr
     # Sort paths by hit, those of one hit in the order in which they were found.
     order = np.argsort(np.concatenate(hit), kind="stable")
     hits, numbers, values = (np.concatenate(found)[order] for found in (hit, number, coefficient))
-    return _merged(Paths(hits, numbers, values, tuple(numbered), _lengthened(paths.inside, below)))
+    inside = _lengthened(paths.inside, below)
+    return _merged(Paths(hits, numbers, values, tuple(numbered), inside, below.window))
 
 
 def _lengthened(before: Inside, below: Level) -> Inside:

@@ -16,7 +16,7 @@ from sympy.printing.str import StrPrinter
 
 from symrt.linear.functions import function_of
 from symrt.reflection.symbols import ONE_MINUS, Factor, Hat, Kind, Lobe, lobe_value
-from symrt.windows import Window
+from symrt.windows import SpectralWindow
 
 NEGLIGIBLE = 1e-9
 """Share of the pixel below which terms are counted and not shown."""
@@ -89,7 +89,7 @@ class _Python(PythonCodePrinter):
         return f"lobe({f'1 - Decimal({one_minus})' if expr.args[0] in self.bare else one_minus}, {exponent})"
 
     def _print_Hat(self, expr: Hat) -> str:  # noqa: N802 -- SymPy's name for it
-        return f"window(nm, {', '.join(map(repr, Window.of(expr.name)))})"
+        return f"window(nm, {', '.join(map(repr, SpectralWindow.of(expr.name)))})"
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:  # noqa: N802 -- SymPy's name for it
         return self.names[expr]

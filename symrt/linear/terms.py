@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy
 
-from symrt.reflection.symbols import Factor, Light, Parameter, Reflectance
+from symrt.reflection.symbols import Factor, Hat, Light, Parameter, Reflectance
 from symrt.symbols import Surface, named
-from symrt.tracing.raytree import Branch, Emitted, Lit, Points, RayTree
+from symrt.tracing.raytree import Branch, Emitted, Level, Lit, Points, RayTree
 
 DEEPEST = 65
 """Most levels of a tree whose pixels are written in letters: each nests in the one before, and printing recurses."""
@@ -152,8 +152,16 @@ def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, l
             own = {Factor(k): letters.letter(k, values[ray], "to", str(beyond)) for k, values in branch.factors.items()}
             weight = float(branch.weight[ray])
             share = letters.letter("weight", weight, "", str(beyond)) if weight != 1 else 1
+            share *= _window(tree, branch, ray, tree.levels[place.depth])
             total.append(share * formula.xreplace(bound | view | own) * _radiance(tree, below, beyond, letters))
     return sympy.Add(*total)
+
+
+def _window(tree: RayTree, branch: Branch, ray: int, level: Level) -> sympy.Expr:
+    """The window of wavelengths that a ray is split off into, or 1 where it is of what its parent is of."""
+    if branch.window is None or level.window is None or level.window[branch.parent[ray]] >= 0:
+        return sympy.Integer(1)
+    return Hat(str(tree.windows[branch.window[ray]]))
 
 
 def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, int]]:
@@ -176,6 +184,8 @@ def _rays(tree: RayTree, depth: int, hit: int) -> list[tuple[str, Branch, int, i
         rays = np.flatnonzero(branch.parent == hit).tolist()
         for which, ray in enumerate(rays, start=1):
             several = f"{mark}{'_' if len(like) > 1 else ''}{which}" if len(rays) > 1 else mark
+            if branch.window is not None and len(rays) > 1:
+                several = f"{mark}w{branch.window[ray] + 1}"
             found.append(("" if alone else several, branch, ray, first + ray))
         # Hits of the level below are numbered along its branches.
         first += branch.size

@@ -6,6 +6,7 @@ from symrt.scene.cameras import Camera, Window, camera_rays
 from symrt.scene.files import load_scene
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
+from symrt.scene.media import glasses, refractive_index
 from symrt.scene.records import Material, Scene
 from symrt.scene.surface_lights import SurfaceLight
 
@@ -25,6 +26,8 @@ __all__ = [
     "SurfaceLight",
     "Window",
     "camera_rays",
+    "glasses",
     "load_scene",
+    "refractive_index",
     "shipped_scene",
 ]

@@ -34,6 +34,7 @@ from symrt.scene.cameras import Camera
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
+from symrt.scene.media import WINDOWS
 from symrt.scene.records import Material, Scene
 from symrt.scene.surface_lights import SurfaceLight
 
@@ -144,6 +145,7 @@ class Document:
     )
     depth: int = 4
     interreflection: Interreflection | None = None
+    windows: Any = WINDOWS
 
 
 @cache
@@ -180,6 +182,7 @@ def _scene(tables: Mapping[str, Any], folder: Path) -> tuple[Scene | None, list[
             depth=document.depth,
             interreflection=document.interreflection,
             folder=folder,
+            windows=document.windows,
         )
     except ValueError as error:
         return None, [*faults, *str(error).splitlines()]

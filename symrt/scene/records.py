@@ -18,6 +18,7 @@ from symrt.scene.checks import check_name, check_number, check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Light
+from symrt.scene.media import WINDOWS, Dispersion, dispersion, dispersion_faults, window_faults, window_nodes
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import named
 from symrt.table import html_table
@@ -44,6 +45,9 @@ class Material:
         The name by which shapes, textures and palettes refer to it.
     model
         The name of a model, a user's own `Model`, or several of these, stacked.
+    glass, sellmeier, cauchy
+        In the place of ``index``, an index that changes with the wavelength: of a glass by its name, see `glasses`, by
+        Sellmeier's pairs ``[[B, C], …]``, or by Cauchy's numbers ``[A₀, A₁, …]``; λ in µm.
     **parameters
         A number for each parameter of the model, such as ``exponent``.
 
@@ -51,16 +55,31 @@ class Material:
     --------
     >>> Material("brass", model=["phong_plain", "mirror"], exponent=60).symbols
     ('brass.diffuse', 'brass.mirror', 'brass.specular')
+    >>> Material("prism", "glass", glass="N-SF11").dispersion.index(np.array([587.56])).round(5)
+    array([1.78472])
     """
 
     name: str
     model: "str | Model | tuple[str | Model, ...]"
     parameters: Mapping[str, float] = field(hash=False)
+    dispersion: Dispersion | None
 
-    def __init__(self, /, name: str, model: Any = "lambert", **parameters: Any) -> None:
+    def __init__(
+        self,
+        /,
+        name: str,
+        model: Any = "lambert",
+        *,
+        glass: Any = None,
+        sellmeier: Any = None,
+        cauchy: Any = None,
+        **parameters: Any,
+    ) -> None:
         settle(self, name=name, model=tuple(model) if isinstance(model, list | tuple) else model)
         refuse([*check_name("name", name), *_model_faults(self._models)])
-        settle(self, parameters=parameters)
+        by_wavelength = (glass, sellmeier, cauchy)
+        refuse(dispersion_faults(*by_wavelength, parameters.get("index"), self.reflection.refracts))
+        settle(self, parameters=parameters, dispersion=dispersion(*by_wavelength))
         refuse([*_parameter_faults(self), *_inside_faults(self)])
         settle(self, parameters={key: float(value) for key, value in parameters.items()})
 
@@ -102,6 +121,9 @@ class Scene:
         The asking for light that diffusers send to each other; None for a scene lit by its lights alone.
     folder
         The folder that holds the files of meshes and textures.
+    windows
+        The parts of the spectrum that are followed apart behind glass whose index changes with the wavelength: so many,
+        from 380 to 730 nm, or a list of their centres in nm.
 
     Raises
     ------
@@ -129,10 +151,12 @@ class Scene:
     depth: int = 4
     folder: Path = Path()
     interreflection: Interreflection | None = None
+    windows: int | Sequence[float | int] = WINDOWS
 
     def __post_init__(self) -> None:
         for key in ("shapes", "materials", "lights", "textures"):
             settle(self, **{key: tuple(getattr(self, key))})
+        settle(self, windows=tuple(self.windows) if isinstance(self.windows, list) else self.windows)
         refuse(_scene_faults(self))
 
     @property
@@ -140,6 +164,11 @@ class Scene:
         """Names of the spectra that a palette of this scene gives: its lights, then its reflectances."""
         lights = (light.name for light in self.lights)
         return (*lights, *(symbol for material in self.materials for symbol in material.symbols))
+
+    @property
+    def nodes(self) -> tuple[float, ...]:
+        """The wavelengths that are followed apart behind glass with a dispersion, in nm."""
+        return window_nodes(self.windows)
 
     @cached_property
     def used_textures(self) -> frozenset[str]:
@@ -171,7 +200,10 @@ class Scene:
             ("camera", self.camera.type, f"{self.camera.width} × {self.camera.height} pixels")
         ]
         rows += [(type(light).__name__, light.name, _details(light)) for light in self.lights]
-        rows += [("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}") for m in self.materials]
+        rows += [
+            ("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}{m.dispersion or ''}")
+            for m in self.materials
+        ]
         rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
         for shape in self.shapes:
             named = ", ".join(name for _, name in named_materials("", _materials_of(shape)))
@@ -193,8 +225,10 @@ def _model_faults(models: tuple[Any, ...]) -> Iterator[str]:
 
 def _parameter_faults(material: Material) -> Iterator[str]:
     needed = material.reflection.parameters
-    for key in sorted(needed - set(material.parameters)):
-        yield f"{key}: the model {_models_text(material)} needs it; write {key} = 40, say"
+    given = {*material.parameters, "index"} if material.dispersion else set(material.parameters)
+    for key in sorted(needed - given):
+        example = "index = 1.5, or glass = 'N-BK7'" if key == "index" else f"{key} = 40, say"
+        yield f"{key}: the model {_models_text(material)} needs it; write {example}"
     for key, value in material.parameters.items():
         faults = list(check_number(key, value))
         if key not in needed:
@@ -235,11 +269,14 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
     if not isinstance(asked, Interreflection | None):
         rule = "ask with a record, such as Interreflection(paths=64, depth=3)"
         yield f"interreflection = {shown(asked)}: {rule}"
+    windows = list(window_faults(scene.windows))
+    yield from windows
     if not kinds:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))
         faults = list(_reference_faults(scene))
         yield from faults or (*_open_glass_faults(scene), *_glow_faults(scene))
+        yield from () if windows else _dispersion_faults(scene)
         yield from _place_faults(scene)
 
 
@@ -305,6 +342,14 @@ def _glow_faults(scene: Scene) -> Iterator[str]:
                 f"materials.{material.name}: it glows, and no light says with what spectrum; add a light of "
                 f'type = "surface" and material = "{material.name}"'
             )
+
+
+def _dispersion_faults(scene: Scene) -> Iterator[str]:
+    """Media without an index at some wavelength of the scene's windows."""
+    for material in scene.materials:
+        if material.dispersion is not None:
+            faults = material.dispersion.faults(scene.nodes[0], scene.nodes[-1])
+            yield from (f"materials.{material.name}: {material.dispersion}: {fault}" for fault in faults)
 
 
 def _place_faults(scene: Scene) -> Iterator[str]:

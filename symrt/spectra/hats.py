@@ -19,8 +19,8 @@ def hats(interactions: Sequence[Interaction], bands: Bands) -> Float[np.ndarray,
 
     Examples
     --------
-    >>> from symrt.windows import Window
-    >>> hats([Interaction("sun"), Interaction("sun", window=Window(400, 500, 700))], Bands((450.0, 600.0)))
+    >>> from symrt.windows import SpectralWindow
+    >>> hats([Interaction("sun"), Interaction("sun", window=SpectralWindow(400, 500, 700))], Bands((450.0, 600.0)))
     array([[1. , 1. ],
            [0.5, 0.5]])
     """

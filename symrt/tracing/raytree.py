@@ -20,6 +20,7 @@ from symrt.estimates import Estimate
 from symrt.reflection.models import Model
 from symrt.scene.lights import Via
 from symrt.tracing.plan import Plan
+from symrt.windows import SpectralWindow
 
 Index = Int[np.ndarray, " point"]
 """Indices of points, or of hits, one for each point."""
@@ -98,6 +99,8 @@ class Branch:
         Cosines of each ray's own direction, where the formula names any.
     materials
         The materials whose formula it is, by the names of their points; None if it is that of all that have it.
+    window
+        The window of wavelengths of each ray, where rays are split into them; None if it is that of the ray's parent.
     """
 
     via: str
@@ -105,6 +108,7 @@ class Branch:
     weight: Float[np.ndarray, " ray"]
     factors: Mapping[str, Float[np.ndarray, " ray"]] = field(default_factory=dict)
     materials: frozenset[str] | None = None
+    window: Int[np.ndarray, " ray"] | None = None
 
     @property
     def size(self) -> int:
@@ -156,6 +160,8 @@ class Level:
     gathered, path
         Of each hit, how often diffusers sent its path on to gather light, and the number of that path; None where
         nothing is gathered.
+    window
+        The window of wavelengths that each hit is seen in, −1 for all of them; None where no glass bends them apart.
     """
 
     sample: Int[np.ndarray, " hit"]
@@ -167,11 +173,18 @@ class Level:
     inside: Mapping[str, Float[np.ndarray, " hit"]] = field(default_factory=dict)
     gathered: Int[np.ndarray, " hit"] | None = None
     path: Int[np.ndarray, " hit"] | None = None
+    window: Int[np.ndarray, " hit"] | None = None
 
     @property
     def size(self) -> int:
         """Number of hits."""
         return self.sample.size
+
+    def window_of(self, branch: Branch) -> Int[np.ndarray, " ray"] | None:
+        """The window of each ray of a branch that leaves from here; None where there are none."""
+        if branch.window is not None or self.window is None:
+            return branch.window
+        return self.window[branch.parent]
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,15 +214,24 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class MaterialRecord:
-    """A material's part in the tree: its formulas and the values of their parameters."""
+    """A material's part in the tree: its formulas and the values of their parameters.
+
+    Parameters
+    ----------
+    indices
+        The refractive index in each window of wavelengths, where it changes with them.
+    """
 
     model: Model
     parameters: Mapping[str, float]
+    indices: tuple[float, ...] = ()
 
     def signature(self) -> str:
         """The model and its parameters as text; two materials that agree here differ in spectra only."""
         formulas = "; ".join(f"{name} = {formula}" for name, formula in self.model.formulas.items() if formula != 0)
-        return "; ".join([formulas, *(f"{name} = {value!r}" for name, value in sorted(self.parameters.items()))])
+        by_window = [f"index by window = {list(self.indices)}"] if self.indices else []
+        values = (f"{name} = {value!r}" for name, value in sorted(self.parameters.items()))
+        return "; ".join([formulas, *values, *by_window])
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,6 +283,8 @@ class RayTree:
         Number of rays cast, by effect.
     counts
         The rays, the pixels and the time of each effect that was simulated.
+    windows
+        The windows of wavelengths that rays are split into, where glass bends them apart.
     """
 
     levels: tuple[Level, ...]
@@ -273,6 +297,7 @@ class RayTree:
     rays: Mapping[str, int] = field(default_factory=dict)
     counts: Counts = field(default_factory=Counts)
     seconds: float = 0.0
+    windows: tuple[SpectralWindow, ...] = ()
 
     @property
     def width(self) -> int:

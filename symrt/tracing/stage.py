@@ -14,14 +14,15 @@ from symrt.geometry.pictures import load_texture
 from symrt.geometry.rays import clearance, translate
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.reflection.bounds import largest
-from symrt.reflection.models import LIT
+from symrt.reflection.models import INDEX, LIT
 from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Answering, answering
-from symrt.scene.records import Scene
+from symrt.scene.records import Material, Scene
 from symrt.symbols import Surface
 from symrt.tracing.raytree import LightRecord, MaterialRecord
+from symrt.windows import SpectralWindow, windows_of
 
 Alternatives = Mapping[str, Sequence[str]]
 """For a material, others that may take its place."""
@@ -47,12 +48,13 @@ class Stage:
     remembered
         The tree's record of each light, in the scene's order.
     sending
-        For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so.
+        For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so; those
+        that lights meet come last, and count only where an effect sends rays by them, too.
     most
         For each material, upper bounds of the shares by which its formulas send on what further rays bring; 1 where
         more may be sent, or nothing is known.
-        For each material whose surfaces send rays on, by itself or as an alternative, the formulas that say so; those
-        that lights meet come last, and count only where an effect sends rays by them, too.
+    windows
+        The windows of wavelengths that glass bends apart; none where no index changes with the wavelength.
     """
 
     camera: Camera
@@ -69,6 +71,7 @@ class Stage:
     interreflection: Interreflection | None
     sending: Mapping[str, tuple[str, ...]]
     most: Mapping[str, Mapping[str, float]]
+    windows: tuple[SpectralWindow, ...] = ()
 
 
 def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
@@ -112,6 +115,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         interreflection=scene.interreflection,
         sending=sending,
         most={name: _most(record) for name, record in materials.items()},
+        windows=windows_of(scene.nodes) if any(record.indices for record in materials.values()) else (),
     )
 
 
@@ -225,7 +229,7 @@ def _numbered(shapes: Sequence[Any]) -> tuple[tuple[str, ...], np.ndarray]:
 
 def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRecord]:
     """The tree's record of each material, and of each alternative under its own name."""
-    named = {m.name: MaterialRecord(m.reflection, dict(m.parameters)) for m in scene.materials}
+    named = {material.name: _record(material, scene) for material in scene.materials}
     pairs = [(name, other) for name, others in alternatives.items() for other in others]
     return named | {str(Surface(other, instead_of=name)): named[other] for name, other in pairs}
 
@@ -234,6 +238,15 @@ def _remembered(light: Answering, camera: Camera, shapes: Shapes, scene: Scene) 
     """The tree's record of a light; a lamp that is seen has the radiance 1."""
     shown = 1.0 if isinstance(light, AreaLight) and light.visible else 0.0
     return LightRecord(light.via, light.white(camera.target), _bound(light, shapes, scene), shown)
+
+
+def _record(material: Material, scene: Scene) -> MaterialRecord:
+    if material.dispersion is None:
+        return MaterialRecord(material.reflection, dict(material.parameters))
+    # The index at each window's centre, and one in the middle that stands for all where they are not told apart.
+    nodes = np.array([*scene.nodes, (scene.nodes[0] + scene.nodes[-1]) / 2])
+    *indices, middle = material.dispersion.index(nodes).tolist()
+    return MaterialRecord(material.reflection, {**material.parameters, INDEX: middle}, tuple(indices))
 
 
 def _bound(light: Answering, shapes: Shapes, scene: Scene) -> float:

@@ -32,7 +32,7 @@ from symrt.tracing.points import points
 from symrt.tracing.raytree import Branch, Emitted, Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tally import CAMERA, Tally
-from symrt.tracing.view import Batch, State, View, look
+from symrt.tracing.view import WINDOW, Batch, State, View, look
 
 Bounds = tuple[int, int, int, int]
 
@@ -102,6 +102,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
         rays=dict(tally.rays),
         counts=tally.counts(),
         seconds=time.perf_counter() - start,
+        windows=stage.windows,
     )
 
 
@@ -141,9 +142,8 @@ def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance
                 followed += within
                 cut += beyond + rest
         gathered, path = view.state.get(GATHERED), view.state.get(PATH)
-        levels.append(
-            Level(batch.sample, batch.branches, here, emitted, tuple(map(_branch, cut)), unlit, inside, gathered, path)
-        )
+        window, ends = batch.state.get(WINDOW), tuple(map(_branch, cut))
+        levels.append(Level(batch.sample, batch.branches, here, emitted, ends, unlit, inside, gathered, path, window))
         batch = _joined(batch, followed)
     return tuple(levels)
 
@@ -217,7 +217,7 @@ def _sending(stage: Stage, effects: AtWork) -> dict[str, tuple[str, ...]]:
 
 
 def _branch(sent: Sent) -> Branch:
-    return Branch(sent.via, sent.hit, sent.weight, sent.factors, sent.materials)
+    return Branch(sent.via, sent.hit, sent.weight, sent.factors, sent.materials, sent.state.get(WINDOW))
 
 
 def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:

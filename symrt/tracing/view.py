@@ -15,6 +15,8 @@ Which = Int[np.ndarray, " hit"]
 """Indices of some hits of a level."""
 State = Mapping[str, Shaped[np.ndarray, " ray"]]
 """Values that effects keep for each ray, by name; an array is there only if an effect in the plan asks for it."""
+WINDOW = "window"
+"""The name of the state that keeps the window of wavelengths that a ray is of, counted from 0; −1 for all of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,10 @@ class Batch:
         for branch in self.branches:
             own = found[(first <= found) & (found < first + branch.size)] - first
             factors = {name: values[own] for name, values in branch.factors.items()}
-            branches.append(Branch(branch.via, branch.parent[own], branch.weight[own], factors, branch.materials))
+            window = None if branch.window is None else branch.window[own]
+            branches.append(
+                Branch(branch.via, branch.parent[own], branch.weight[own], factors, branch.materials, window)
+            )
             first += branch.size
 
         rays = Rays(self.rays.origin[:, found], self.rays.direction[:, found])

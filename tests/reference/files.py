@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.glass import glass_rays
+from reference.glass import glass_rays, index_at, wavelengths_traced
 from reference.lamps import rectangle_lamp
 from reference.lights import directional_light, point_light
 from reference.meshes import mesh
@@ -23,8 +23,11 @@ from reference.vectors import Vector
 METALS = Path(__file__).parents[2] / "symrt" / "data" / "metals.json"
 
 
-def load(path: str | Path) -> Scene:
-    """Read a scene file, which is taken to be right: symrt is the one that checks."""
+def load(path: str | Path, nm: float | None = None) -> Scene:
+    """Read a scene file, which is taken to be right: symrt is the one that checks.
+
+    Glass has the index of one wavelength, in nm.
+    """
     file, folder = tomllib.loads(Path(path).read_text()), Path(path).parent
     kinds = {"sphere": sphere, "plane": plane, "disk": disk, "rectangle": rectangle, "cylinder": cylinder, "box": box}
     lights = {"point": point_light, "directional": directional_light}
@@ -39,7 +42,7 @@ def load(path: str | Path) -> Scene:
         # Each glass bends for itself; all that mirror at a point send the same ray.
         there = textures[hit.material](hit) if hit.material in textures else {hit.material: 1.0}
         tables = {name: file["materials"][name] for name, weight in there.items() if weight > 0}
-        glass = {name: table["index"] for name, table in tables.items() if of_glass(table)}
+        glass = {name: index_at(table, nm) for name, table in tables.items() if of_glass(table)}
         rays = [
             ray._replace(of=frozenset({name}))
             for name, index in glass.items()
@@ -72,15 +75,22 @@ def of_glass(material: Table) -> bool:
     return "glass" in (model if isinstance(model, list) else [model])
 
 
+def traced(path: str | Path) -> list[float]:
+    """The wavelengths of a scene file that are traced by themselves, in nm; none where it need not be."""
+    return wavelengths_traced(tomllib.loads(Path(path).read_text()))
+
+
+def grid_of(path: str | Path, name: str) -> list[float] | None:
+    """The wavelengths of a palette's bands, in nm; None for red, green and blue."""
+    bands = tomllib.loads(Path(path).read_text())["palettes"][name]["bands"]
+    if bands == "rgb":
+        return None
+    return [bands[0] + k * bands[2] for k in range(round((bands[1] - bands[0]) / bands[2]) + 1)]
+
+
 def load_palette(path: str | Path, name: str) -> dict[str, Spectrum]:
     """The spectra of a palette by symbol: numbers, lists, or names of tables in colour-science."""
-    table = tomllib.loads(Path(path).read_text())["palettes"][name]
-    bands = table["bands"]
-    grid = (
-        None
-        if bands == "rgb"
-        else [bands[0] + k * bands[2] for k in range(round((bands[1] - bands[0]) / bands[2]) + 1)]
-    )
+    table, grid = tomllib.loads(Path(path).read_text())["palettes"][name], grid_of(path, name)
     return {symbol: spectrum(value, grid) for symbol, value in table.items() if symbol != "bands"}
 
 

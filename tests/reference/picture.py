@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from reference.files import load, load_palette
+from reference.files import grid_of, load, load_palette, traced
 from reference.lenses import through_a_lens
 from reference.records import Sample, Scene, Spectrum, Table
 from reference.tracer import radiance
@@ -12,8 +12,26 @@ from reference.vectors import Vector, add, cross, dot, scale, sub, unit
 
 
 def render(path: str | Path, palette: str, width: int, height: int) -> list[list[Spectrum]]:
-    """A scene file under one of its palettes, as rows of pixels of bands, in a size of one's own."""
-    return picture(load(path), load_palette(path, palette), width, height)
+    """A scene file under one of its palettes, as rows of pixels of bands, in a size of one's own.
+
+    Where an index changes with the wavelength there is a picture for each of some wavelengths, and between two of them
+    a mixture of theirs.
+    """
+    spectra, nodes, grid = load_palette(path, palette), traced(path), grid_of(path, palette)
+    if not nodes:
+        return picture(load(path), spectra, width, height)
+    pictures = [picture(load(path, nm), spectra, width, height) for nm in nodes]
+    return [[mixed([one[y][x] for one in pictures], nodes, grid) for x in range(width)] for y in range(height)]
+
+
+def mixed(pixels: list[Spectrum], nodes: list[float], grid: list[float]) -> Spectrum:
+    """At each wavelength of a grid the mixture of the pixels of the two wavelengths around it."""
+    found = []
+    for band, nm in enumerate(grid):
+        k = min(max(j for j, node in enumerate(nodes) if node <= nm), len(nodes) - 2)
+        part = (nm - nodes[k]) / (nodes[k + 1] - nodes[k])
+        found.append((1 - part) * pixels[k][band] + part * pixels[k + 1][band])
+    return found
 
 
 def picture(scene: Scene, spectra: Mapping[str, Spectrum], width: int, height: int) -> list[list[Spectrum]]:

@@ -7,6 +7,7 @@ A scene pays only for the effects that something in it calls for.  To add one, w
 from symrt.tracing.effects.absorption import ABSORPTION
 from symrt.tracing.effects.ambient import AMBIENT
 from symrt.tracing.effects.caustics import CAUSTICS
+from symrt.tracing.effects.dispersion import DISPERSION
 from symrt.tracing.effects.effect import Call, Effect, Passed, Segment, Sent
 from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.film import SUPERSAMPLING
@@ -23,6 +24,7 @@ EFFECTS: tuple[Effect, ...] = (
     PENUMBRAE,
     MIRRORS,
     REFRACTION,
+    DISPERSION,
     ABSORPTION,
     CAUSTICS,
     INTERREFLECTION,
