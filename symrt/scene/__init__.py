@@ -6,8 +6,9 @@ from symrt.scene.cameras import Camera, Window, camera_rays
 from symrt.scene.files import load_scene
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Light, PointLight
+from symrt.scene.materials import Material
 from symrt.scene.media import glasses, refractive_index
-from symrt.scene.records import Material, Scene
+from symrt.scene.records import Scene
 from symrt.scene.surface_lights import SurfaceLight
 
 __all__ = [

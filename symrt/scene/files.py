@@ -34,8 +34,9 @@ from symrt.scene.cameras import Camera
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
+from symrt.scene.materials import Material
 from symrt.scene.media import WINDOWS
-from symrt.scene.records import Material, Scene
+from symrt.scene.records import Scene
 from symrt.scene.surface_lights import SurfaceLight
 
 KINDS: dict[str, dict[str, type]] = {

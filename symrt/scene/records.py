@@ -1,105 +1,33 @@
-"""The material, and the scene that holds everything together (before step 1).
+"""The scene that holds everything together (before step 1).
 
 A record is checked when it is made, and reports all of its faults at once, one line each, with its key: so a scene that
 exists can be traced.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 
-from symrt.errors import hinting, refuse, shown, suggestion
+from symrt.errors import hinting, refuse, shown
 from symrt.scene.cameras import Camera
-from symrt.scene.checks import check_name, check_number, check_whole, settle
+from symrt.scene.checks import check_whole, settle
 from symrt.scene.consistency import file_faults, light_faults, name_faults, named_materials, reference_faults
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Light
-from symrt.scene.media import WINDOWS, Dispersion, dispersion, dispersion_faults, window_faults, window_nodes
+from symrt.scene.materials import Material, models_text
+from symrt.scene.media import WINDOWS, window_faults, window_nodes
 from symrt.scene.surface_lights import SurfaceLight
-from symrt.symbols import named
 from symrt.table import html_table
 
 OPEN = frozenset({"plane", "disk", "rectangle", "tube"})
 """Kinds of shapes that have no inside."""
 
-if TYPE_CHECKING:
-    from symrt.reflection.models import Model
-
-HIGHEST_INDEX = 100
-"""Largest refractive index, and its inverse the least: none of nature's is near them."""
 DEEPEST = 1000
 """Largest number of mirror bounces that a scene may ask for."""
-
-
-@dataclass(frozen=True, init=False)
-class Material:
-    """A named way of reflecting light: its spectra stay symbols, ``red.diffuse``, its parameters are numbers.
-
-    Parameters
-    ----------
-    name
-        The name by which shapes, textures and palettes refer to it.
-    model
-        The name of a model, a user's own `Model`, or several of these, stacked.
-    glass, sellmeier, cauchy
-        In the place of ``index``, an index that changes with the wavelength: of a glass by its name, see `glasses`, by
-        Sellmeier's pairs ``[[B, C], …]``, or by Cauchy's numbers ``[A₀, A₁, …]``; λ in µm.
-    **parameters
-        A number for each parameter of the model, such as ``exponent``.
-
-    Examples
-    --------
-    >>> Material("brass", model=["phong_plain", "mirror"], exponent=60).symbols
-    ('brass.diffuse', 'brass.mirror', 'brass.specular')
-    >>> Material("prism", "glass", glass="N-SF11").dispersion.index(np.array([587.56])).round(5)
-    array([1.78472])
-    """
-
-    name: str
-    model: "str | Model | tuple[str | Model, ...]"
-    parameters: Mapping[str, float] = field(hash=False)
-    dispersion: Dispersion | None
-
-    def __init__(
-        self,
-        /,
-        name: str,
-        model: Any = "lambert",
-        *,
-        glass: Any = None,
-        sellmeier: Any = None,
-        cauchy: Any = None,
-        **parameters: Any,
-    ) -> None:
-        settle(self, name=name, model=tuple(model) if isinstance(model, list | tuple) else model)
-        refuse([*check_name("name", name), *_model_faults(self._models)])
-        by_wavelength = (glass, sellmeier, cauchy)
-        refuse(dispersion_faults(*by_wavelength, parameters.get("index"), self.reflection.refracts))
-        settle(self, parameters=parameters, dispersion=dispersion(*by_wavelength))
-        refuse([*_parameter_faults(self), *_inside_faults(self)])
-        settle(self, parameters={key: float(value) for key, value in parameters.items()})
-
-    @property
-    def _models(self) -> "tuple[str | Model, ...]":
-        return self.model if isinstance(self.model, tuple) else (self.model,)
-
-    @cached_property
-    def reflection(self) -> "Model":
-        """The material's model, or all of its models stacked."""
-        # SymPy is slow to import, and reading a scene's geometry does not need it.
-        from symrt.reflection.models import MODELS, stack  # noqa: PLC0415
-
-        models = [MODELS[model] if isinstance(model, str) else model for model in self._models]
-        return models[0] if len(models) == 1 else stack(models)
-
-    @property
-    def symbols(self) -> tuple[str, ...]:
-        """Names of the reflectances that a palette must give."""
-        return tuple(named(self.name, component) for component in sorted(self.reflection.components))
 
 
 @hinting
@@ -201,7 +129,7 @@ class Scene:
         ]
         rows += [(type(light).__name__, light.name, _details(light)) for light in self.lights]
         rows += [
-            ("Material", m.name, f"{_models_text(m)} {_details(m.parameters)}{m.dispersion or ''}")
+            ("Material", m.name, f"{models_text(m)} {_details(m.parameters)}{m.dispersion or ''}")
             for m in self.materials
         ]
         rows += [(type(texture).__name__, texture.name, _details(texture)) for texture in self.textures]
@@ -209,55 +137,6 @@ class Scene:
             named = ", ".join(name for _, name in named_materials("", _materials_of(shape)))
             rows.append((type(shape).__name__, named, _details(shape)))
         return html_table(("what", "name or material", ""), rows)
-
-
-def _model_faults(models: tuple[Any, ...]) -> Iterator[str]:
-    from symrt.reflection.models import MODELS, Model  # noqa: PLC0415  as above
-
-    if not models:
-        yield "model = []: a material needs at least one model; write model = 'lambert'"
-    for model in models:
-        if isinstance(model, str) and model not in MODELS:
-            yield f"model = {shown(model)}: no model has this name; {suggestion(model, MODELS)}"
-        elif not isinstance(model, str | Model):
-            yield f"model = {shown(model)}: a model is a name, a list of names, or an rt.Model; try 'lambert'"
-
-
-def _parameter_faults(material: Material) -> Iterator[str]:
-    needed = material.reflection.parameters
-    given = {*material.parameters, "index"} if material.dispersion else set(material.parameters)
-    for key in sorted(needed - given):
-        example = "index = 1.5, or glass = 'N-BK7'" if key == "index" else f"{key} = 40, say"
-        yield f"{key}: the model {_models_text(material)} needs it; write {example}"
-    for key, value in material.parameters.items():
-        faults = list(check_number(key, value))
-        if key not in needed:
-            rule = f"the model {_models_text(material)} has no such parameter; {suggestion(key, needed)}"
-            yield f"{key if key.isidentifier() else shown(key)}: {rule}"
-        elif not faults and key == "exponent" and not 0 <= value <= 1e7:
-            yield f"exponent = {shown(value)}: it must be from 0 to 1e7; 40 is glossy"
-        elif (
-            not faults
-            and key == "index"
-            and material.reflection.refracts
-            and not 1 / HIGHEST_INDEX <= value <= HIGHEST_INDEX
-        ):
-            rule = f"it must be from {1 / HIGHEST_INDEX} to {HIGHEST_INDEX}"
-            yield f"index = {shown(value)}: {rule}; glass has 1.5, water 1.33"
-        yield from faults
-
-
-def _inside_faults(material: Material) -> Iterator[str]:
-    model = material.reflection
-    if model.inside != 0 and model.transmitted == 0:
-        yield (
-            f"model = {_models_text(material)}: it absorbs light on its way through, and lets none in; stack it on "
-            'glass, model = ["glass", "absorption"], index = 1.5'
-        )
-
-
-def _models_text(material: Material) -> str:
-    return " + ".join(model if isinstance(model, str) else "of one's own" for model in material._models)  # noqa: SLF001  the same module
 
 
 def _scene_faults(scene: Scene) -> Iterator[str]:

@@ -19,7 +19,8 @@ from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Answering, answering
-from symrt.scene.records import Material, Scene
+from symrt.scene.materials import Material
+from symrt.scene.records import Scene
 from symrt.symbols import Surface
 from symrt.tracing.raytree import LightRecord, MaterialRecord
 from symrt.windows import SpectralWindow, windows_of
