@@ -46,7 +46,7 @@ _NAMES = {
     ],
     "symrt.reflection": ["MODELS", "Model", "lobe", "parameter", "reflectance", "schlick", "stack"],
     # 1 and 2: trace, collapse, print
-    "symrt.tracing": ["RayTree", "plan", "probe", "trace"],
+    "symrt.tracing": ["RayTree", "probe", "trace"],
     "symrt.linear": [
         "Formula",
         "coefficient_matrix",
@@ -56,6 +56,7 @@ _NAMES = {
         "formula",
         "linear_form",
         "merge_parts",
+        "plan",
         "render",
         "render_part",
     ],

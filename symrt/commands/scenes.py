@@ -27,15 +27,20 @@ def plan(
     scene: option.SceneFile,
     without: option.Without = None,
     tolerance: option.Thrift = None,
+    probe: Annotated[
+        bool, typer.Option("--probe/--no-probe", help="Cast a few rays to tell what it will cost.")
+    ] = True,
     as_json: option.Json = False,
 ) -> None:
     """The effects that a scene calls for, with their reasons.
 
     Example: symrt plan globe
     """
-    found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False), tolerance=tolerance)
+    found = rt.plan(rt.load_scene(scene), force=dict.fromkeys(without or (), False), tolerance=tolerance, probe=probe)
     if as_json:
-        say(json_text({"effects": [_record(effect) for effect in found.effects], "remarks": list(found.remarks)}))
+        expected = None if found.expectation is None else asdict(found.expectation)
+        effects = [_record(effect) for effect in found.effects]
+        say(json_text({"effects": effects, "expected": expected, "remarks": list(found.remarks)}))
     else:
         say(str(found))
 

@@ -5,6 +5,7 @@ from symrt.linear.estimate import Estimate, estimate
 from symrt.linear.formulas import Expressions, Formula, expressions, formula
 from symrt.linear.literal import coefficient_matrix, linear_form
 from symrt.linear.parts import merge_parts, render_part
+from symrt.linear.planning import plan
 from symrt.linear.render import render
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "formula",
     "linear_form",
     "merge_parts",
+    "plan",
     "render",
     "render_part",
 ]

@@ -13,13 +13,14 @@ from symrt.errors import require
 from symrt.linear.collapse import run
 from symrt.linear.digests import digest_of
 from symrt.linear.pieces import Picture
+from symrt.linear.planning import thrifty
 from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.resume import Tiles
 from symrt.linear.tiles import Window, tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.plan import Plan
-from symrt.tracing.planner import at_work, plan
+from symrt.tracing.planner import at_work, first_plan
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tracer import trace_window
 
@@ -88,6 +89,7 @@ def make_job(
     LinearSystem(20 × 20 pixels, 2 interactions, 800 coefficients, 2.0 a pixel)
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
-    stage, chosen = make_stage(scene, alternatives), plan(scene, alternatives, force=force, tolerance=tolerance)
+    chosen, stage = first_plan(scene, alternatives, force=force, tolerance=tolerance), make_stage(scene, alternatives)
+    chosen = thrifty(chosen, stage, tolerance, force or {}, values)
     program = make_program(stage.materials, values, free, at_work(chosen).gathered, error, lengths)
     return Job(stage, chosen, program)

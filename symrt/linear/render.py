@@ -46,7 +46,7 @@ def render(  # noqa: PLR0913  # a public verb names its options
     values, free, error, lengths
         As in `collapse`.
     alternatives, force, tolerance
-        As in `trace`.
+        As in `plan`.
     executor
         Any `concurrent.futures.Executor`, such as that of a cluster; its workers are sent the scene with its files
         read, and need symrt, but none of the files.

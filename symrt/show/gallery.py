@@ -9,14 +9,13 @@ import numpy as np
 from jaxtyping import UInt8
 from tqdm.auto import tqdm
 
-from symrt.linear import render
+from symrt.linear import plan, render
 from symrt.reading import scene_path
 from symrt.scene import load_scene
 from symrt.spectra.display import to_rgb8
 from symrt.spectra.palettes_file import load_palettes
 from symrt.spectra.shading import shade
 from symrt.spectra.viewing import linear_rgb
-from symrt.tracing import plan
 
 BASIC = {"shadows", "ambient", "supersampling"}
 """Effects that nearly every scene calls for, and that its caption does not name."""

@@ -4,13 +4,17 @@ A plan shows those effects that something calls for, and names the others in a l
 them are in the record of each.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from html import escape
+from math import isfinite
 from typing import Literal
 
-from symrt.table import html_table, sentences, text_table
+from symrt.table import html_table, percent, sentences, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
+EXPECTED = ("effect", "", "called for by", "rays", "time", "without it pixels miss")
+ON_REQUEST = "it was left out on request"
 
 TOLERANCE = 1e-3
 """Share of a film sample's light below which rays are not followed, unless told otherwise."""
@@ -36,6 +40,8 @@ class Planned:
         The largest number of rays that it may cost, in words.
     a_sample
         The number of rays expected of it for each sample of the film, as far as the scene alone tells.
+    optional
+        True if it could be left out, and the error without it bounded.
     """
 
     name: str
@@ -44,6 +50,7 @@ class Planned:
     why: str
     rays: str
     a_sample: int = 0
+    optional: bool = False
 
     @property
     def simulated(self) -> bool:
@@ -56,6 +63,72 @@ class Planned:
         return self.name, self.state, ", ".join(self.called_by), self.rays
 
 
+@dataclass(frozen=True)
+class Expected:
+    """The price that is expected of an effect, and what is lost without it.
+
+    Parameters
+    ----------
+    rays
+        Their number in the whole picture.
+    seconds
+        Of one processor of the machine that was asked.
+    most, mean
+        What a pixel misses without it at most, as a share of white, of the pixels that were looked at: the largest, and
+        their mean.  None if it cannot be left out.
+    certified
+        What the certificate of a picture without it would bound its pixels by; infinite if by nothing.
+    """
+
+    rays: int
+    seconds: float
+    most: float | None = None
+    mean: float | None = None
+    certified: float | None = None
+
+    @property
+    def row(self) -> tuple[str, str, str]:
+        """Its rays, its time, and what is missed without it, in words."""
+        rays = f"{float(f'{self.rays:.2g}'):,.0f}" if self.rays else "none"
+        missed = ""
+        if self.most is not None and self.mean is not None:
+            missed = f"up to {_share(self.most)}, {_share(self.mean)} in the mean" if self.most else "nothing seen"
+        return rays, f"{self.seconds:.2g} s", missed
+
+
+def _share(share: float) -> str:
+    """A share with two digits or three."""
+    if not isfinite(share):
+        return "any share"
+    return f"{share:.0%}" if share >= 0.1 else percent(share)
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """The prices that are expected of the effects in a plan, from a few rays.
+
+    Parameters
+    ----------
+    effects
+        The camera's own rays first, then the effects that something calls for.
+    rays, pixels
+        Number of the camera's rays that the prices were expected from, and of the pixels that were compared.
+    """
+
+    effects: Mapping[str, Expected]
+    rays: int
+    pixels: int
+
+    @property
+    def note(self) -> str:
+        """A sentence about where the numbers come from."""
+        seconds = sum(one.seconds for one in self.effects.values())
+        return (
+            f"expected of {self.rays:,} rays, on one processor of this machine: {seconds:.2g} s in all; shares are of "
+            f"white, over {self.pixels:,} pixels, for any reflectances up to 1"
+        )
+
+
 @dataclass(frozen=True, repr=False)
 class Plan:
     """All effects that symrt knows, each in its state; ``"mirrors" in plan`` is true if mirrors are simulated."""
@@ -65,6 +138,9 @@ class Plan:
     """Sentences about the scene that may surprise whoever made it, such as a camera inside a ball."""
     tolerance: float = TOLERANCE
     """Share of its film sample's light that a ray must carry to be followed; what is not followed is bounded."""
+
+    expectation: Expectation | None = None
+    """The price that is expected of each effect, where it was asked for."""
 
     def __contains__(self, name: str) -> bool:
         return any(effect.simulated for effect in self.effects if effect.name == name)
@@ -84,20 +160,57 @@ class Plan:
         """The effects that something in the scene calls for, simulated or left out."""
         return tuple(effect for effect in self.effects if effect.called_by)
 
+    def without(self, name: str, why: str = ON_REQUEST) -> "Plan":
+        """The plan with one of its effects left out, for a reason; the error is bounded in the system's tail.
+
+        Raises
+        ------
+        ValueError
+            If the effect is not simulated, or could not be left out.
+        """
+        if not any(effect.simulated and effect.optional for effect in self.effects if effect.name == name):
+            raise ValueError(f"{name} cannot be left out of this plan: it is not simulated, or has no bound")
+        effects = tuple(
+            replace(effect, state="left out, bounded", why=why, rays="none", a_sample=0)
+            if effect.name == name
+            else effect
+            for effect in self.effects
+        )
+        return replace(self, effects=effects)
+
+    def restored(self, name: str) -> "Plan":
+        """The plan with an effect simulated that was left out, though it need not have been."""
+        if not any(effect.optional for effect in self.effects if effect.name == name):
+            raise ValueError(f"{name} cannot be part of this plan")
+        effects = (replace(one, state="simulated", why="") if one.name == name else one for one in self.effects)
+        return replace(self, effects=tuple(effects))
+
     @property
     def notes(self) -> tuple[str, ...]:
         """The sentences below the plan's table."""
         left_out = (f"{effect.name}: {effect.why}" for effect in self.called_for if not effect.simulated)
         others = ", ".join(effect.name for effect in self.effects if not effect.called_by)
-        return (*left_out, *((f"not called for: {others}",) if others else ()), *self.remarks)
+        expected = () if self.expectation is None else (self.expectation.note,)
+        return (*left_out, *((f"not called for: {others}",) if others else ()), *expected, *self.remarks)
+
+    @property
+    def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """The head and the rows of the plan's table: the effects that something calls for."""
+        rows = [effect.row for effect in self.called_for]
+        if self.expectation is None:
+            return HEAD, list(rows)
+        expected = self.expectation.effects
+        known = [(*row[:-1], *(expected[row[0]].row if row[0] in expected else ("", "", ""))) for row in rows]
+        camera = [(name, "", "", *one.row) for name, one in expected.items() if name not in {row[0] for row in rows}]
+        return EXPECTED, [*camera, *known]
 
     def __str__(self) -> str:
-        rows = [effect.row for effect in self.called_for]
-        return "\n".join(([text_table(HEAD, rows)] if rows else []) + [sentences(self.notes)])
+        head, rows = self.table
+        return "\n".join(([text_table(head, rows)] if rows else []) + [sentences(self.notes)])
 
     def __repr__(self) -> str:
         return str(self)
 
     def _repr_html_(self) -> str:
-        rows = [effect.row for effect in self.called_for]
-        return (html_table(HEAD, rows) if rows else "") + "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        head, rows = self.table
+        return (html_table(head, rows) if rows else "") + "".join(f"<p>{escape(note)}</p>" for note in self.notes)

@@ -12,42 +12,26 @@ from symrt.scene.records import Scene
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import CARRIED, Call, Effect
-from symrt.tracing.plan import TOLERANCE, Plan, Planned, Status
+from symrt.tracing.plan import ON_REQUEST, TOLERANCE, Plan, Planned, Status
 from symrt.tracing.stage import Alternatives
 
 MOST_HITS = 16
 """Hits that a sample is expected to have: rays that branch at each of many levels mostly leave the scene before."""
 
 
-def plan(
+def first_plan(
     scene: Scene,
     alternatives: Alternatives | None = None,
     *,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
 ) -> Plan:
-    """Plan the trace of a scene: the effects it calls for, and why the others are not simulated.
-
-    Parameters
-    ----------
-    alternatives
-        Other materials that are traced too, as for `trace`; they may call for effects of their own.
-    force
-        Effects to leave out, ``{"shadows": False}``: the error without them is bounded in the system's tail.  True
-        insists on an effect, and is refused where it is not simulated.
-    tolerance
-        Rays are not followed where they carry less than this share of their film sample's light, 0.001 if not given;
-        what they would bring is bounded in the tail.  With 0 all are followed, down to the scene's depth.
-
-    Raises
-    ------
-    ValueError
-        If `force` names no effect, or one that cannot be forced so, or the tolerance is no share.
+    """The plan of a trace as far as the scene alone tells, without a ray: see `plan`, which takes the same.
 
     Examples
     --------
     >>> from symrt.scene import load_scene, shipped_scene
-    >>> print(plan(load_scene(shipped_scene("first"))))
+    >>> print(first_plan(load_scene(shipped_scene("first"))))
     effect              called for by  rays at most
     shadows  simulated  sun            1 a hit
     not called for: penumbrae, mirrors, ...
@@ -115,16 +99,18 @@ def _planned(effect: Effect, call: Call, forced: bool | None, tolerance: float) 
         if forced:
             raise ValueError(f"force: nothing calls for {effect.name}: {call.without}")
         return Planned(effect.name, "not called for", (), call.without, "none")
-    left_out = call.left_out or ("it was left out on request" if forced is False else "")
+    left_out = call.left_out or (ON_REQUEST if forced is False else "")
     if not left_out:
         pruned = f", down to {100 * tolerance:.2g}% of a sample" if CARRIED in effect.state and tolerance else ""
-        return Planned(effect.name, "simulated", call.by, "", call.rays + pruned)
+        optional = not effect.needed and not effect.unbounded
+        return Planned(effect.name, "simulated", call.by, "", call.rays + pruned, optional=optional)
     if forced:
         raise ValueError(f"force: {effect.name} cannot be simulated: {left_out}")
     if forced is False and effect.needed:
         raise ValueError(f"force: {effect.name} cannot be left out: {effect.needed}")
     state: Status = "left out, not bounded" if effect.unbounded else "left out, bounded"
-    return Planned(effect.name, state, call.by, left_out, "none")
+    optional = not (call.left_out or effect.needed or effect.unbounded)
+    return Planned(effect.name, state, call.by, left_out, "none", optional=optional)
 
 
 def _counted(planned: list[Planned], calls: Mapping[str, Call], depth: int) -> Iterator[Planned]:

@@ -27,7 +27,7 @@ from symrt.tracing.effects.effect import CARRIED, Sent
 from symrt.tracing.film import centres
 from symrt.tracing.gathering import GATHERED, PATH
 from symrt.tracing.plan import Plan
-from symrt.tracing.planner import AtWork, at_work, plan
+from symrt.tracing.planner import AtWork, at_work, first_plan
 from symrt.tracing.points import points
 from symrt.tracing.raytree import Branch, Emitted, Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
@@ -44,6 +44,7 @@ def trace(
     *,
     force: Mapping[str, bool] | None = None,
     tolerance: float | int | None = None,
+    planned: Plan | None = None,
 ) -> RayTree:
     """Trace a scene, or a window ``(x0, y0, x1, y1)`` of its pixels, x1 and y1 excluded.
 
@@ -56,6 +57,9 @@ def trace(
         Effects to leave out, as for `plan`: ``{"shadows": False}``.
     tolerance
         Share of its film sample's light that a ray must carry to be followed, as for `plan`: 0.001 if not given.
+    planned
+        A plan that `plan` made of the same scene, in the place of `force` and `tolerance`: with a tolerance it may
+        leave out whole effects, for which a trace alone knows no bound.
 
     Examples
     --------
@@ -64,7 +68,9 @@ def trace(
     >>> tree.width, tree.height
     (8, 8)
     """
-    chosen = plan(scene, alternatives, force=force, tolerance=tolerance)
+    if planned is not None and (force is not None or tolerance is not None):
+        raise ValueError("planned: the plan has its own force and tolerance; give them to plan(scene, ...) instead")
+    chosen = planned or first_plan(scene, alternatives, force=force, tolerance=tolerance)
     return trace_window(make_stage(scene, alternatives), chosen, window)
 
 

@@ -13,8 +13,9 @@ SMALL = ["--size", "24"]
 
 def test_plan_prints_the_librarys_table_and_its_json(run):
     plan = rt.plan(rt.load_scene("globe"))
-    assert run("plan", "globe") == (0, f"{plan}\n", "")
-    record = json.loads(run("plan", "globe", "--json")[1])
+    assert run("plan", "globe", "--no-probe") == (0, f"{plan}\n", "")
+    record = json.loads(run("plan", "globe", "--no-probe", "--json")[1])
+    assert record["expected"] is None
     assert [one["effect"] for one in record["effects"]] == [effect.name for effect in plan.effects]
     assert [one["simulated"] for one in record["effects"]] == [effect.simulated for effect in plan.effects]
     assert [one["because"] for one in record["effects"] if not one["simulated"]] == [
@@ -25,9 +26,21 @@ def test_plan_prints_the_librarys_table_and_its_json(run):
 def test_the_json_of_a_plan_has_its_remarks(run, tmp_path):
     text = (SCENES / "first.toml").read_text()
     (tmp_path / "inside.toml").write_text(re.sub(r"position = .*", "position = [0.0, 1.0, 0.5]", text, count=1))
-    record = json.loads(run("plan", "inside.toml", "--json")[1])
+    record = json.loads(run("plan", "inside.toml", "--no-probe", "--json")[1])
     assert record["remarks"] == list(rt.plan(rt.load_scene(tmp_path / "inside.toml")).remarks)
     assert "The camera is inside shapes[0]" in record["remarks"][0]
+
+
+def test_a_plan_tells_what_effects_are_expected_to_cost(run):
+    expected = rt.plan(rt.load_scene("first"), probe=True).expectation
+    record = json.loads(run("plan", "first", "--json")[1])["expected"]
+    assert (record["rays"], record["pixels"]) == (expected.rays, expected.pixels)
+    for name, one in expected.effects.items():
+        found = record["effects"][name]
+        assert (found["rays"], found["most"], found["mean"]) == (one.rays, one.most, one.mean)
+    shown = run("plan", "first")[1]
+    assert "on one processor of this machine" in shown
+    assert "nothing seen" in shown
 
 
 def test_the_help_says_what_follows_without(run):
@@ -98,7 +111,7 @@ def test_a_pixel_is_named_by_place_or_by_words(run):
 
 
 def test_an_effect_is_left_out_on_request_and_the_picture_says_what_that_costs(run):
-    record = json.loads(run("plan", "spheres", "--without", "mirrors", "--json")[1])
+    record = json.loads(run("plan", "spheres", "--without", "mirrors", "--no-probe", "--json")[1])
     record = {one["effect"]: one for one in record["effects"]}
     assert (record["mirrors"]["state"], record["mirrors"]["simulated"]) == ("left out, bounded", False)
     assert run("render", "spheres", "--size", "16", "--without", "mirrors", "--out", "flat.npz")[0] == 0

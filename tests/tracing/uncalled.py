@@ -12,7 +12,7 @@ from symrt import fast
 from symrt.linear.collapse import run
 from symrt.linear.program import make_program
 from symrt.tracing import effects
-from symrt.tracing.planner import plan
+from symrt.tracing.planner import first_plan
 from symrt.tracing.stage import make_stage
 from symrt.tracing.tracer import trace_window
 
@@ -26,7 +26,7 @@ SIZES = {"lens": (16, 48)}
 def traced(scene, listed):
     """A scene traced and collapsed with a list of effects: the tree, the system, calls, and peak bytes."""
     effects.EFFECTS = listed
-    stage, chosen = make_stage(scene), plan(scene)
+    stage, chosen = make_stage(scene), first_plan(scene)
     program = make_program(stage.materials)
     run(program, trace_window(stage, chosen))  # what is made once is made
 
@@ -56,7 +56,7 @@ def traced(scene, listed):
 def compared(scene):
     """The whole list against those effects that the plan simulates."""
     effects.EFFECTS = WHOLE
-    kept = tuple(effect for effect in WHOLE if effect.name in plan(scene))
+    kept = tuple(effect for effect in WHOLE if effect.name in first_plan(scene))
     cut, whole = traced(scene, kept), traced(scene, WHOLE)
     matrices = [(whole[1].G, cut[1].G), (whole[1].tail.bound, cut[1].tail.bound)]
     parts = ("data", "indices", "indptr")
