@@ -1,7 +1,7 @@
 """Expressions turned into functions, every float in them kept to its last bit (step 2)."""
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import sympy
@@ -11,6 +11,8 @@ def function_of(
     letters: Iterable[sympy.Symbol], expressions: Sequence[sympy.Expr], lobe: Callable[..., Any], *, cse: bool = False
 ) -> Callable[..., list[Any]]:
     """Compile expressions into one function, from the letters' values to the expressions' values.
+
+    Materials of one model have the same function, which is compiled once a process.
 
     Parameters
     ----------
@@ -25,6 +27,13 @@ def function_of(
     >>> function_of([Factor("n_dot_l")], [Factor("n_dot_l") * sympy.Float(1 / 3)], lobe_value)(2.0) == [2 / 3]
     True
     """
+    return _compiled(tuple(letters), tuple(expressions), lobe, cse)
+
+
+@lru_cache(maxsize=512)
+def _compiled(
+    letters: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...], lobe: Callable[..., Any], cse: bool
+) -> Callable[..., list[Any]]:
     # lambdify writes a float as text, and 15 digits of it: a letter in its place keeps all 53 bits.  Dummies stand for
     # the letters too, so that no name of a symbol is ever executed.
     floats = sorted({number for expression in expressions for number in expression.atoms(sympy.Float)}, key=float)

@@ -16,6 +16,9 @@ from symrt.reflection.symbols import Kind, Lobe, Parameter, Reflectance
 Interval = Any
 """An mpmath interval."""
 
+Known = tuple[tuple[str, tuple[float, float]], ...]
+"""Ranges of parameters as the key of an answer that is remembered: materials of one model have the same bounds."""
+
 LARGEST_POWER = 64
 """Largest integer power that is bounded; others may have any value."""
 MOST_REFLECTANCES = 6
@@ -33,6 +36,12 @@ def largest(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]]) -> f
     >>> round(largest(MODELS["phong_plain"].direct, {"exponent": (60.0, 60.0)}) * 3.14159265, 6)
     2.0
     """
+    return _largest(formula, tuple(sorted(ranges.items())))
+
+
+@functools.lru_cache(maxsize=1024)
+def _largest(formula: sympy.Expr, known: Known) -> float:
+    ranges = dict(known)
     # Where a reflectance and what is left of 1 stand in one formula, no value of it makes both of them 1.
     return min(_size(_interval(formula, ranges)), max(_size(_interval(f, ranges)) for f in _extremes(formula)))
 
@@ -46,6 +55,12 @@ def may_subtract(formula: sympy.Expr, ranges: Mapping[str, tuple[float, float]])
     >>> {name: may_subtract(MODELS[name].reflected, {}) for name in ("metal", "metal_f82")}
     {'metal': False, 'metal_f82': True}
     """
+    return _may_subtract(formula, tuple(sorted(ranges.items())))
+
+
+@functools.lru_cache(maxsize=1024)
+def _may_subtract(formula: sympy.Expr, known: Known) -> bool:
+    ranges = dict(known)
     return not all(_interval(coefficient, ranges).a >= 0 for coefficient in monomials(formula).values())
 
 

@@ -12,12 +12,13 @@ References
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 from math import comb
 
 import sympy
 
-from symrt.reflection.bounds import largest
+from symrt.reflection.bounds import Known, largest
 from symrt.reflection.polynomials import monomials
 from symrt.reflection.symbols import ONE_MINUS, Factor, Parameter
 from symrt.tails import Shares
@@ -40,7 +41,12 @@ def corners(formula: sympy.Expr, ranges: Ranges) -> tuple[Shares, ...]:
     >>> corners(f0 + (1 - f0) * (1 - n_dot_v), {})
     (((('f0',), 1.0),), (((), 1.0),))
     """
-    terms = monomials(formula)
+    return _corners(formula, tuple(sorted(ranges.items())))
+
+
+@lru_cache(maxsize=1024)
+def _corners(formula: sympy.Expr, known: Known) -> tuple[Shares, ...]:
+    terms, ranges = monomials(formula), dict(known)
     found = _bernstein(list(terms.values()), ranges)
     if found is None:
         return (tuple((met, largest(c, ranges)) for met, c in terms.items()),)
