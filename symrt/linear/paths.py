@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -46,12 +47,21 @@ class Paths:
     inside: Inside = field(default_factory=dict)
     window: Index | None = None
 
+    @cached_property
+    def starts(self) -> Int[np.ndarray, " hit_and_two"]:
+        """The number of paths before those to each hit; no path leads to the hit after the last."""
+        total = self.hit.size
+        return np.concatenate([[0], np.cumsum(np.bincount(self.hit)), [total]])
+
     def to(self, hit: Int[np.ndarray, " point"]) -> tuple[Index, Index]:
         """Pairs of a point and a path that leads to it: the point's place in `hit`, and the path's index."""
-        # The paths to each point's hit stand together: their number, and the first of them.
-        size = int(max(self.hit.max(initial=-1), hit.max(initial=-1))) + 1
-        count = np.bincount(self.hit, minlength=size)[hit]
-        first = np.searchsorted(self.hit, hit)
+        # The paths to each point's hit stand together: the first of them, and their number.
+        starts = self.starts
+        after = np.minimum(hit, starts.size - 2)
+        first = starts[after]
+        count = starts[after + 1] - first
+        if (count == 1).all():
+            return np.arange(hit.size), first
 
         # Each point as often as it has paths, and the paths counted on from the first.
         which = np.repeat(np.arange(hit.size), count)

@@ -58,7 +58,7 @@ class Illumination:
 
     def of(self, chosen: Int[np.ndarray, " chosen"]) -> "Illumination":
         """The sample as seen from some of the points."""
-        direction = None if self.direction is None else self.direction[:, chosen]
+        direction = None if self.direction is None else self.direction.take(chosen, axis=1)
         figure = None if self.figure is None else self.figure.of(chosen)
         return Illumination(direction, self.distance[chosen], self.falloff[chosen], figure)
 

@@ -80,7 +80,7 @@ def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Poi
         others = [Surface(other, instead_of=material) for other in stage.alternatives.get(material, ())]
         for name in (material, *map(str, others)):
             model = stage.materials[name].model
-            seen = factors(model.factors & VIEW, view.shading_normal[:, hit], view.viewer[:, hit], None)
+            seen = factors(model.factors & VIEW, *view.facing(hit), None)
 
             # The light on them, where the model has a formula for it.
             met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in reached if one.meets(name, model)]
@@ -195,8 +195,8 @@ def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit
     position, hit = position[point], hit[point]
     found: Mapping[str, np.ndarray] = {}
     if reached.direction is not None:
-        direction = reached.direction[:, position]
-        found = factors(names - VIEW, view.shading_normal[:, hit], view.viewer[:, hit], direction)
+        direction = reached.direction.take(position, axis=1)
+        found = factors(names - VIEW, *view.facing(hit), direction)
     light, error = reached.light, None if reached.error is None else reached.error[position]
     return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found, error)
 

@@ -40,13 +40,13 @@ def _onwards(stage: Stage, view: View, points: tuple[Points, ...]) -> tuple[Sent
     hit = np.flatnonzero(share)
 
     # The mirrored view, where it leaves the true surface.
-    direction = reflect(view.viewer[:, hit], view.shading_normal[:, hit])
-    outwards = dot(direction, view.normal[:, hit]) > 0
-    hit, direction = hit[outwards], direction[:, outwards]
+    direction = reflect(view.viewer.take(hit, axis=1), view.shading_normal.take(hit, axis=1))
+    outwards = np.flatnonzero(dot(direction, view.normal.take(hit, axis=1)) > 0)
+    hit, direction = hit[outwards], direction.take(outwards, axis=1)
 
     surface = view.surface
-    place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
-    rays = spawn(*place, normalise(direction), view.leaving[:, hit])
+    place = surface.point.take(hit, axis=1), view.normal.take(hit, axis=1), surface.error[hit]
+    rays = spawn(*place, normalise(direction), view.leaving.take(hit, axis=1))
     carried = np.minimum(share[hit], 1.0)
     return (Sent("reflected", hit, rays, np.ones(hit.size), materials=frozenset(materials), share=carried),)
 

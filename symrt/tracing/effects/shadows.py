@@ -49,8 +49,8 @@ def _visible(
 ) -> Passed:
     """1 for each of the given hits that nothing hides from a place of a light, else 0."""
     surface = view.surface
-    place = surface.point[:, hit], view.normal[:, hit], surface.error[hit]
-    rays = spawn(*place, at.towards, view.leaving[:, hit])
+    place = surface.point.take(hit, axis=1), view.normal.take(hit, axis=1), surface.error[hit]
+    rays = spawn(*place, at.towards, view.leaving.take(hit, axis=1))
     count["shadows"] += hit.size
     return Passed(np.where(occluded(stage.shapes, rays, at.distance), 0.0, 1.0))
 
