@@ -21,6 +21,7 @@ ROOMS = (
     "symrt.geometry.fast.boxes",
     "symrt.geometry.fast.flats",
     "symrt.geometry.fast.quadrics",
+    "symrt.geometry.fast.surfaces",
     "symrt.geometry.fast.triangles",
     "symrt.gamut.fast.slabs",
 )

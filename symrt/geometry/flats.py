@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from symrt.arrays import PerRay, Vectors, dot, exact, length, normalise, pair_dot, pair_quotient, two_sum
+from symrt.geometry.directions import ROOM
 from symrt.geometry.rays import ROUNDING, Crossing, Kernel, Rays, Surface
 from symrt.geometry.records import LARGEST
 
@@ -61,6 +62,12 @@ class Flat:
         values = (*self.point[:, 0], *self.normal[:, 0], *plain, *constants, *(0.0,) * (8 - len(constants)))
         axis = -1 if self.axis is None else self.axis
         return Kernel("symrt.geometry.fast.flats", "flat", (part, axis, tuple(map(float, values))))
+
+
+    def surface_kernel(self, across: float = 1.0, down: float = 1.0) -> Kernel:
+        """The compiled form of `flat_surface`, with the extents of a unit of u and of v."""
+        vectors = (*self.point[:, 0], *self.normal[:, 0], *self.unit[:, 0])
+        return Kernel(ROOM, "flat", (tuple(map(float, (*vectors, np.abs(self.point).sum(), across, down))),))
 
 
 def plane_distance(flat: Flat, rays: Rays) -> PerRay:

@@ -1,6 +1,6 @@
 """What rays meet first among many shapes, and whether they meet anything (step 1)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from symrt import fast
-from symrt.arrays import PerRay, Vectors
+from symrt.arrays import PerRay
 from symrt.geometry.culling import Shapes, gathered
+from symrt.geometry.directions import ROOM, whole_rows
 from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, leaves, surface
 
 
@@ -80,15 +81,9 @@ def _meet_compiled(
         return None
     left = np.full(len(rays), -1, np.int32) if rays.left is None else rays.left
     doubtful = np.empty(len(rays), np.int64)
-    asked = (_ready(rays.origin), _ready(rays.direction), left, low, any_hit, index)
+    asked = (whole_rows(rays.origin), whole_rows(rays.direction), left, low, any_hit, index)
     answered = (hits.distance, hits.shape, hits.primitive, doubtful)
     return doubtful[: getattr(kernels, kernel.name)(*kernel.constants, *asked, *answered)]
-
-
-def _ready(values: Vectors) -> Vectors:
-    """The same vectors as kernels take them: row by row, in memory that may be written."""
-    fit = values.flags.c_contiguous and values.flags.writeable
-    return values if fit else np.array(values, order="C")
 
 
 def no_hits(count: int) -> Hits:
@@ -151,8 +146,13 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
     return blocked
 
 
-def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
+def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits, textured: Collection[int] | None = None) -> Surface:
     """The surface each ray meets, whatever shape it belongs to; zeros for a ray that meets none.
+
+    Parameters
+    ----------
+    textured
+        The shapes whose surface coordinates are asked for, all if not given; those of others are 0.
 
     Examples
     --------
@@ -171,11 +171,29 @@ def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits) -> Surface:
     order = order[np.count_nonzero(hits.shape < 0) :]
     first = np.flatnonzero(np.diff(hits.shape[order], prepend=-1))
     for chosen in np.split(order, first)[1:]:
-        shape = shapes[int(hits.shape[chosen[0]])]
+        index = int(hits.shape[chosen[0]])
+        shape, plain = shapes[index], textured is not None and index not in textured
+        if plain and _surface_compiled(shape, rays, hits, chosen, whole):
+            continue
         part = surface(shape, rays[chosen], hits.distance[chosen], hits.primitive[chosen])
-        for name in (f.name for f in fields(Surface)):
+        for name in (f.name for f in fields(Surface) if not (plain and f.name == "uv")):
             getattr(whole, name)[..., chosen] = getattr(part, name)
     return whole
+
+
+def _surface_compiled(
+    shape: Any, rays: Rays, hits: Hits, chosen: Int[np.ndarray, " chosen"], into: Surface
+) -> bool:
+    """Let a kernel write all of a surface but its coordinates, if there is one and it pays."""
+    kernel: Kernel | None = getattr(shape, "surface_kernel", None)
+    kernels = kernel and fast.kernels(kernel.room, chosen.size)
+    if not (kernel and kernels and rays.origin.dtype == rays.direction.dtype == hits.distance.dtype == np.float64):
+        return False
+    given = whole_rows(rays.origin), whole_rows(rays.direction), hits.distance, chosen
+    getattr(kernels, kernel.name)(
+        *kernel.constants, *given, into.point, into.normal, into.shading_normal, into.extent, into.error
+    )
+    return True
 
 
 def leaving_of(shapes: Sequence[Any], hits: Hits) -> Int[np.ndarray, "2 ray"]:
@@ -196,6 +214,6 @@ def leaving_of(shapes: Sequence[Any], hits: Hits) -> Int[np.ndarray, "2 ray"]:
 
 
 def _blocks(among: Shapes, count: int) -> Iterator[slice]:
-    """Parts of as many rays as stay in the cache; where a hierarchy picks the rays of each shape, all at once."""
-    size = BLOCK if among.tree is None else max(1, count)
+    """Parts of as many rays as stay in the cache; all at once where a hierarchy or kernels go through them."""
+    size = BLOCK if among.tree is None and fast.kernels(ROOM, 0) is None else max(1, count)
     return (slice(start, start + size) for start in range(0, count, size))

@@ -61,6 +61,11 @@ class Plane:
         """Its compiled form."""
         return self.flat.kernel(ENDLESS)
 
+    @cached_property
+    def surface_kernel(self) -> Kernel:
+        """The compiled form of its surface."""
+        return self.flat.surface_kernel()
+
 
 @hinting
 @dataclass(frozen=True)
@@ -93,6 +98,11 @@ class Disk:
     def kernel(self) -> Kernel:
         """Its compiled form."""
         return self.flat.kernel(ROUND, float(self.radius) ** 2)
+
+    @cached_property
+    def surface_kernel(self) -> Kernel:
+        """The compiled form of its surface."""
+        return self.flat.surface_kernel()
 
 
 @intersect.register(Plane)

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
+from symrt import fast
 from symrt.arrays import PerRay, Point, Vectors, dot, exact, pair_dot
+from symrt.geometry.directions import ROOM, whole_rows
 from symrt.geometry.records import LARGEST
 
 BLOCK = 8192
@@ -46,6 +48,10 @@ class Rays:
     left: Int[np.ndarray, " ray"] | None = None
 
     def __post_init__(self) -> None:
+        kernels = fast.kernels(ROOM, len(self))
+        if kernels and self.origin.dtype == self.direction.dtype == np.float64:
+            if not kernels.unfit(whole_rows(self.origin), whole_rows(self.direction), LARGEST):
+                return
         # Comparisons with nan are false, so that nan is refused as well.
         good = (np.abs(self.origin) <= LARGEST).all(axis=0)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -258,6 +264,12 @@ def spawn(
     >>> spawn(np.zeros((3, 1)), up, np.array([2.0**-50]), -up).origin.T.tolist() == [[0, -(2.0**-49), 0]]
     True
     """
+    kernels = fast.kernels(ROOM, error.size)
+    if kernels and {array.dtype for array in (point, normal, error, direction)} == {np.dtype(np.float64)}:
+        origin, below = np.empty(point.shape), np.empty(error.size, np.bool_)
+        kernels.spawn(*map(whole_rows, (point, normal, error, direction)), origin, below)
+        left = None if leaving is None else np.where(below, leaving[1], leaving[0])
+        return Rays(origin, direction, left)
     side = side_of(normal, direction)
     left = None if leaving is None else np.where(side < 0, leaving[1], leaving[0])
     return Rays(point + np.where(side < 0, -2.0, 2.0) * error * normal, direction, left)

@@ -80,6 +80,11 @@ class Rectangle:
         for_u, for_v, whole_u, whole_v = self.shares
         return self.flat.kernel(CORNERED, *for_u[:, 0], *for_v[:, 0], whole_u[0], whole_v[0])
 
+    @cached_property
+    def surface_kernel(self) -> Kernel:
+        """The compiled form of its surface."""
+        return self.flat.surface_kernel(*self.lengths[:, 0])
+
 
 @intersect.register(Rectangle)
 def intersect_rectangle(rectangle: Rectangle, rays: Rays, low: float = 0.0) -> Crossing:

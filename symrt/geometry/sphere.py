@@ -35,6 +35,7 @@ from symrt.arrays import (
 )
 from symrt.errors import hinting
 from symrt.geometry.culling import Corners, bounds
+from symrt.geometry.directions import ROOM
 from symrt.geometry.flats import Column
 from symrt.geometry.rays import (
     ROUNDING,
@@ -94,6 +95,15 @@ class Sphere:
         radius, (high, low) = float(self.radius), self.squared_radius
         constants = [*self.centre, radius, radius**2, high[0], low[0], self.radius * (1 + 1e-9)]
         return Kernel("symrt.geometry.fast.quadrics", "sphere", (tuple(map(float, constants)),))
+
+
+    @cached_property
+    def surface_kernel(self) -> Kernel:
+        """The compiled form of its surface."""
+        radius = float(self.radius)
+        reach = np.abs(column(self.centre)).max()
+        constants = (*self.centre, radius, reach, 2 * np.pi * radius, np.pi * radius)
+        return Kernel(ROOM, "sphere", (tuple(map(float, constants)),))
 
 
 @intersect.register(Sphere)

@@ -20,6 +20,7 @@ from jaxtyping import Float
 from symrt.arrays import Vectors, normalise
 from symrt.errors import hinting, refuse
 from symrt.geometry import Triple
+from symrt.geometry.directions import unit_vectors
 from symrt.geometry.rays import Rays
 from symrt.scene.camera_checks import camera_faults
 from symrt.scene.checks import Number, check_triple, floats, settle
@@ -149,7 +150,7 @@ def camera_rays(camera: Camera, window: Window | None = None) -> Rays:
     # Perspective rays leave one point in many directions, orthographic rays many points in one direction.
     origin = np.broadcast_to(np.array(camera.position)[:, None], (3, across.size))
     if camera.type == "perspective":
-        return Rays(origin=origin.copy(), direction=normalise(forward + right * across + up * upwards))
+        return Rays(origin=origin.copy(), direction=unit_vectors(forward + right * across + up * upwards))
     return Rays(origin=origin + right * across + up * upwards, direction=np.repeat(forward, across.size, axis=1))
 
 

@@ -15,6 +15,7 @@ from jaxtyping import Float, Int
 from symrt.arrays import length, normalise
 from symrt.errors import hinting, refuse
 from symrt.geometry import Triple
+from symrt.geometry.directions import by_kernel
 from symrt.scene.checks import check_name, check_triple, floats, settle
 from symrt.scene.outlines import Outline
 
@@ -152,6 +153,10 @@ class PointLight:
         A point so near that 1/d² overflows is taken for the light itself: it has no direction, and stays dark.
         """
         towards = np.array(self.position)[:, None] - points
+        found = by_kernel(towards)
+        if found is not None:
+            direction, distance = found
+            return (Illumination(direction, distance, 1 / distance / distance),)
         distance = length(towards)
         # Divided twice: d² itself would lose digits, or overflow, before 1/d² does.
         with np.errstate(divide="ignore", over="ignore"):

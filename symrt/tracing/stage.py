@@ -74,6 +74,12 @@ class Stage:
     most: Mapping[str, Mapping[str, float]]
     windows: tuple[SpectralWindow, ...] = ()
 
+    @property
+    def textured(self) -> frozenset[int]:
+        """The shapes whose surface coordinates a texture asks for."""
+        slots = np.flatnonzero([name in self.textures for name in self.slots])
+        return frozenset((np.searchsorted(self.first_slot, slots, side="right") - 1).tolist())
+
 
 def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     """Read a scene's files and move everything so that the camera stands at the origin.

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Int
 
+from symrt.arrays import keep_memory
 from symrt.geometry.box import Box
 from symrt.geometry.meeting import leaving_of, nearest, surfaces
 from symrt.geometry.rays import Hits, Rays
@@ -77,6 +78,7 @@ def trace(
 def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> RayTree:
     """Trace a window of a scene that was made ready, with the effects of a plan."""
     start = time.perf_counter()
+    keep_memory()
     x0, y0, x1, y1 = _checked_window(window, stage.camera.width, stage.camera.height)
     effects = at_work(chosen)
 
@@ -124,7 +126,7 @@ def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance
             batch, hits = batch.of(found), hits.of(found)
 
             # The surfaces there, what rays went through on their way, and the light that reaches them.
-            surface, leaving = surfaces(stage.seen, batch.rays, hits), leaving_of(stage.seen, hits)
+            surface, leaving = surfaces(stage.seen, batch.rays, hits, stage.textured), leaving_of(stage.seen, hits)
             view = look(surface, _slots_of(stage, hits), batch, leaving)
             batch, inside = _segments(stage, effects, batch, view, hits, tally)
             here = points(stage, effects, view, tally)

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
+from symrt import fast
 from symrt.arrays import Vectors, dot
+from symrt.geometry.directions import ROOM, whole_rows
 from symrt.geometry.rays import Rays, Surface
 from symrt.reflection.models import LIT
 from symrt.tracing.raytree import Branch
@@ -102,6 +104,14 @@ def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving:
 
     A file may wind its faces against its own vertex normals, so the two are compared, never assumed to agree.
     """
+    kernels = fast.kernels(ROOM, slot.size)
+    given = batch.rays.direction, surface.normal, surface.shading_normal
+    if kernels and {array.dtype for array in given} == {np.dtype(np.float64)}:
+        viewer, normal, shading_normal = (np.empty(array.shape) for array in given)
+        behind = np.empty(slot.size, np.bool_)
+        kernels.look(*map(whole_rows, given), viewer, normal, shading_normal, behind)
+        leaving = np.where(behind, leaving[::-1], leaving)
+        return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving)
     viewer = -batch.rays.direction
     normal = _turned(surface.normal, viewer)
     shading_normal = _turned(surface.shading_normal, normal)
