@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
+from importlib.util import find_spec
 from threading import Lock
 from types import ModuleType
 
@@ -81,6 +82,20 @@ def adopt(kernels: bool | None) -> None:
     False
     """
     _WANTED.set(kernels)
+
+
+def expected() -> bool:
+    """Whether kernels are to be used in this thread once they pay, as far as can be told without loading any.
+
+    Examples
+    --------
+    >>> with use(False):
+    ...     expected()
+    False
+    """
+    return (
+        wanted() is not False and _ROOMS.get("symrt.fast.canary", True) is not None and find_spec("numba") is not None
+    )
 
 
 def available() -> bool:

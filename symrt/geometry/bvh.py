@@ -90,7 +90,7 @@ def build(low: Float[np.ndarray, "3 box"], high: Float[np.ndarray, "3 box"], *, 
     boxes = []
     for level in range(depth + 1):
         grouped = box.reshape(2, 3, WAYS**level, -1)
-        joined = np.stack([grouped[0].min(axis=2), grouped[1].max(axis=2)])
+        joined = np.stack([_over_last(np.minimum, grouped[0]), _over_last(np.maximum, grouped[1])])
         boxes.append(np.where(joined[0] <= joined[1], joined, np.nan))
     each = np.where(box[0] <= box[1], box, np.nan) if dear else None
     return Tree(np.where(order < count, order, -1), tuple(boxes), reach, each)
@@ -105,13 +105,20 @@ def _sorted(box: Float[np.ndarray, "2 3 slot"], count: int, levels: int) -> Int[
     for level in range(levels):
         held = centre[:, order].reshape(3, 2**level, -1)
         filled = np.where(np.isfinite(held), held, np.nan)
-        low = np.fmin.reduce(filled, axis=2)
-        high = np.fmax.reduce(filled, axis=2)
+        low, high = _over_last(np.fmin, filled), _over_last(np.fmax, filled)
         side = np.argmax(np.nan_to_num(high - low, nan=0.0), axis=0)
         key = np.take_along_axis(held, side[None, :, None], axis=0)[0]
         within = np.argsort(key, axis=1, kind="stable")
         order = np.take_along_axis(order.reshape(2**level, -1), within, axis=1).ravel()
     return order
+
+
+def _over_last(least: np.ufunc, values: Float[np.ndarray, "*rest size"]) -> Float[np.ndarray, "*rest"]:
+    """The least, or the largest, along the last axis, whose size is a power of two: by halves, each one long loop."""
+    values = np.ascontiguousarray(values)
+    while values.shape[-1] > 1:
+        values = least(values[..., ::2], values[..., 1::2])
+    return values[..., 0]
 
 
 def candidates(

@@ -63,7 +63,6 @@ class Flat:
         axis = -1 if self.axis is None else self.axis
         return Kernel("symrt.geometry.fast.flats", "flat", (part, axis, tuple(map(float, values))))
 
-
     def surface_kernel(self, across: float = 1.0, down: float = 1.0) -> Kernel:
         """The compiled form of `flat_surface`, with the extents of a unit of u and of v."""
         vectors = (*self.point[:, 0], *self.normal[:, 0], *self.unit[:, 0])

@@ -181,9 +181,7 @@ def surfaces(shapes: Sequence[Any], rays: Rays, hits: Hits, textured: Collection
     return whole
 
 
-def _surface_compiled(
-    shape: Any, rays: Rays, hits: Hits, chosen: Int[np.ndarray, " chosen"], into: Surface
-) -> bool:
+def _surface_compiled(shape: Any, rays: Rays, hits: Hits, chosen: Int[np.ndarray, " chosen"], into: Surface) -> bool:
     """Let a kernel write all of a surface but its coordinates, if there is one and it pays."""
     kernel: Kernel | None = getattr(shape, "surface_kernel", None)
     kernels = kernel and fast.kernels(kernel.room, chosen.size)

@@ -48,10 +48,10 @@ class Rays:
     left: Int[np.ndarray, " ray"] | None = None
 
     def __post_init__(self) -> None:
-        kernels = fast.kernels(ROOM, len(self))
-        if kernels and self.origin.dtype == self.direction.dtype == np.float64:
-            if not kernels.unfit(whole_rows(self.origin), whole_rows(self.direction), LARGEST):
-                return
+        kernels, given = fast.kernels(ROOM, len(self)), (self.origin, self.direction)
+        plain = {array.dtype for array in given} == {np.dtype(np.float64)}
+        if kernels and plain and not kernels.unfit(*map(whole_rows, given), LARGEST):
+            return
         # Comparisons with nan are false, so that nan is refused as well.
         good = (np.abs(self.origin) <= LARGEST).all(axis=0)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -96,7 +96,6 @@ class Sphere:
         constants = [*self.centre, radius, radius**2, high[0], low[0], self.radius * (1 + 1e-9)]
         return Kernel("symrt.geometry.fast.quadrics", "sphere", (tuple(map(float, constants)),))
 
-
     @cached_property
     def surface_kernel(self) -> Kernel:
         """The compiled form of its surface."""
@@ -226,7 +225,11 @@ def surface_sphere(sphere: Sphere, rays: Rays, distance: PerRay, primitive: Int[
     """
     centre, radius = column(sphere.centre), float(sphere.radius)
     offset = ((rays.origin - centre) + distance * rays.direction) / radius
-    normal = offset / np.sqrt(dot(offset, offset))
+    size = np.sqrt(dot(offset, offset))
+    if not size.all():
+        # From so far away that the ray's end, rounded, is the centre: the side that it comes from.
+        offset, size = np.where(size > 0, offset, -rays.direction), np.where(size > 0, size, 1.0)
+    normal = offset / size
     point = centre + radius * normal
     error = 8 * ROUNDING * (np.abs(point).max(axis=0, initial=0) + np.abs(centre).max() + radius)
     extent = np.broadcast_to([[2 * np.pi * radius], [np.pi * radius]], (2, len(rays))).copy()

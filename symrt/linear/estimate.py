@@ -11,7 +11,7 @@ from symrt.linear.collapse import run
 from symrt.linear.job import Job, make_job
 from symrt.linear.program import Free, Values
 from symrt.linear.tiles import RAYS, SAMPLES, rows_of
-from symrt.linear.workers import Workers, processors
+from symrt.linear.workers import Workers, processors, threads_used
 from symrt.scene.records import Scene
 from symrt.tracing.stage import Alternatives
 from symrt.tracing.tracer import trace_window
@@ -102,7 +102,7 @@ def of_job(job: Job, workers: Workers = None, rows: tuple[int, int] | None = Non
     samples, coarse = pixels * camera.rays_a_pixel, across * down * stage.camera.rays_a_pixel
     entries = (system.G.nnz + (system.tail.bound.nnz if system.tail else 0)) * pixels / (across * down)
     in_tiles = min(SAMPLES * job.plan.rays_a_sample, RAYS, samples * job.plan.rays_a_sample)
-    working = workers if isinstance(workers, int) else processors()
+    working = workers if isinstance(workers, int) else processors() if workers == "processes" else threads_used()
     programs = 1 + working if workers == "processes" else 1
     return Estimate(
         pixels=pixels,

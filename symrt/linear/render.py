@@ -51,8 +51,9 @@ def render(  # noqa: PLR0913  # a public verb names its options
         Any `concurrent.futures.Executor`, such as that of a cluster; its workers are sent the scene with its files
         read, and need symrt, but none of the files.
     workers
-        Number of threads if no executor is given, this machine's processors if not given either; or ``"processes"``
-        for a process on each of them.  The result depends on none of it.
+        Number of threads if no executor is given; if not given either, this machine's processors, or 1 without the
+        extra ``fast``, where more would wait for each other; or ``"processes"`` for a process on each processor.  The
+        result depends on none of it.
     save
         A folder to keep finished tiles in: the same call goes on where an interrupted one stopped, to the same bits.
     memory

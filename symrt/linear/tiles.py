@@ -4,8 +4,9 @@ from symrt.errors import shown
 
 Window = tuple[int, int, int, int]
 
-SAMPLES = 32768
-"""Film samples in a tile, at most: enough to amortise NumPy's calls, few enough to stay in cache and be shared out."""
+SAMPLES = 65536
+"""Film samples in a tile, at most: enough to amortise NumPy's calls, between each of which threads hand over Python's
+lock, and few enough to stay in cache and be shared out."""
 RAYS = 1 << 19
 """Rays in a tile, at most, as far as the plan expects them: a tree keeps some hundred bytes of each."""
 
@@ -27,7 +28,7 @@ def tiles(
     Examples
     --------
     >>> tiles(512, 512, 1)[:2]
-    [(0, 0, 512, 64), (0, 64, 512, 128)]
+    [(0, 0, 512, 128), (0, 128, 512, 256)]
     >>> tiles(512, 512, 1, rays_a_sample=64)[0], tiles(512, 512, 1, rows=(500, 512))
     ((0, 0, 512, 16), [(0, 500, 512, 512)])
     """

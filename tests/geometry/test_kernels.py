@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
-from geometry.both import intersect, occluded
+from geometry.both import intersect, nearest, occluded, same
 from geometry.oracles import across, directions
 from geometry.shapes import gallery, icosphere, random_mesh
 
+from symrt import fast
 from symrt.geometry import Box, Cylinder, Disk, Plane, Rays, Rectangle, Sphere, TriangleMesh
+from symrt.geometry.directions import unit_vectors
+from symrt.geometry.meeting import leaving_of, surfaces
+from symrt.geometry.rays import spawn
 
 COUNTS = [600, pytest.param(60_000, marks=pytest.mark.exhaustive)]
 KINDS = ["sphere", "cylinder", "tube", "plane", "floor", "disk", "rectangle", "box", "mesh", "needles"]
@@ -75,3 +79,67 @@ def test_rays_in_memory_of_any_kind_are_met_alike():
         one, other = intersect(shape, seen), intersect(shape, still)
         np.testing.assert_array_equal(one.distance, other.distance)
         np.testing.assert_array_equal(one.primitive, other.primitive)
+
+
+def both(action):
+    """The results of NumPy and of the kernels."""
+    pytest.importorskip("numba", reason="numba is not installed")
+    found = []
+    for kernels in (False, True):
+        with fast.use(kernels):
+            found.append(action())
+    return found
+
+
+@pytest.mark.parametrize("size", [1e-40, 1.0, 1e40])
+@pytest.mark.parametrize("kind", KINDS)
+def test_surfaces_and_the_rays_that_start_there_are_numpy_s_to_the_bit(kind, size):
+    generator = np.random.default_rng(KINDS.index(kind))
+    shape, seen = made(kind, generator, size), aimed(generator, size, 800)
+    hits = nearest([shape], seen)
+    one, other = both(lambda: surfaces([shape], seen, hits, textured=()))
+    same(one, other, "point", "normal", "shading_normal", "uv", "extent", "error")
+    whole = surfaces([shape], seen, hits)
+    same(whole, other, "point", "normal", "shading_normal", "extent", "error")
+    assert not other.uv.any()
+
+    # Rays from there: half of them along the surface, up to rounding.
+    met = np.flatnonzero(hits.shape == 0)
+    place = one.point[:, met], one.normal[:, met], one.error[met]
+    way = directions(generator, met.size)
+    way[:, ::2] = across(generator, place[1])[:, ::2]
+    one, other = both(lambda: spawn(*place, way, leaving_of([shape], hits)[:, met]))
+    same(one, other, "origin", "direction", "left")
+
+
+def test_unit_vectors_are_numpy_s_to_the_bit_however_long_they_are():
+    generator = np.random.default_rng(3)
+    vectors = directions(generator, 4000)
+    vectors = np.where(
+        generator.uniform(size=(3, 4000)) < 0.2, generator.choice([0.0, -0.0, 1e-17], (3, 4000)), vectors
+    )
+    vectors[:, ~(np.abs(vectors) > 1e-3).any(axis=0)] = 1.0
+    for exponent in (-1060, -900, -401, -399, 0, 399, 401, 1000):
+        one, other = both(lambda e=exponent: unit_vectors(np.ldexp(vectors, e)))
+        np.testing.assert_array_equal(one, other)
+    for exponents in (generator.integers(-30, 30, (3, 4000)), generator.integers(-500, 500, (3, 4000))):
+        one, other = both(lambda e=exponents: unit_vectors(np.ldexp(vectors, e)))
+        np.testing.assert_array_equal(one, other)
+    for bad in (0.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="a direction must be finite and not zero"):
+            both(lambda value=bad: unit_vectors(np.array([[1.0, value], [0.0, value], [0.0, value]])))
+
+
+@pytest.mark.parametrize(
+    ("where", "value"), [("origin", 1e61), ("origin", np.nan), ("direction", 0.9), ("direction", np.nan)]
+)
+def test_rays_that_are_none_are_refused_alike(where, value):
+    pytest.importorskip("numba", reason="numba is not installed")
+    given = {"origin": np.zeros((3, 5)), "direction": np.repeat([[0.0], [1.0], [0.0]], 5, axis=1)}
+    given[where][1, 3] = value
+    said = []
+    for kernels in (False, True):
+        with fast.use(kernels), pytest.raises(ValueError, match=r"^ray 3 starts at") as error:
+            Rays(**given)
+        said.append(str(error.value))
+    assert said[0] == said[1]

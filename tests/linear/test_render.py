@@ -56,7 +56,7 @@ def test_a_tile_holds_no_more_rays_than_the_plan_expects_of_it():
     for plan in (few, many):
         for x0, y0, x1, y1 in tiles(4096, 64, 4, plan.rays_a_sample):
             samples = (x1 - x0) * (y1 - y0) * 4
-            assert samples <= 32768
+            assert samples <= 65536
             assert samples * plan.rays_a_sample <= 1 << 19
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Bool
 
 from symrt.fast.compiling import compiled
 from symrt.fast.pairs import Triple, difference, dot, exact, most, pair_dot
-from symrt.geometry.fast.asking import Chosen, Constants, Floats, Vectors, Whole
+from symrt.geometry.fast.asking import Chosen, Constants, Floats, Vectors
 
 TAKES = "686c3bd67c847ec1"
 SMALLEST, LARGEST = 2.0**-400, 2.0**400
@@ -123,6 +123,8 @@ def sphere(
         b = ((origin[1, i] - y) + t * direction[1, i]) / radius
         c = ((origin[2, i] - z) + t * direction[2, i]) / radius
         size = np.sqrt(a * a + b * b + c * c)
+        if size == 0:
+            a, b, c, size = -direction[0, i], -direction[1, i], -direction[2, i], 1.0
         unit = a / size, b / size, c / size
         met = x + radius * unit[0], y + radius * unit[1], z + radius * unit[2]
         _write(i, met, unit, point, normal, shading)
@@ -150,7 +152,11 @@ def flat(
     for one in range(chosen.size):
         i = chosen[one]
         t = distance[i]
-        x, y, z = origin[0, i] + t * direction[0, i], origin[1, i] + t * direction[1, i], origin[2, i] + t * direction[2, i]
+        x, y, z = (
+            origin[0, i] + t * direction[0, i],
+            origin[1, i] + t * direction[1, i],
+            origin[2, i] + t * direction[2, i],
+        )
         height = pair_dot(difference((x, y, z), at), exact(along))[0] / square
         met = x - height * along[0], y - height * along[1], z - height * along[2]
         _write(i, met, unit, point, normal, shading)
