@@ -24,6 +24,8 @@ ROOMS = (
     "symrt.geometry.fast.quadrics",
     "symrt.geometry.fast.surfaces",
     "symrt.geometry.fast.triangles",
+    "symrt.tracing.fast.lighting",
+    "symrt.linear.fast.gathering",
     "symrt.gamut.fast.slabs",
 )
 """The modules of kernels."""

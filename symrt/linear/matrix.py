@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import sparse
 
+from symrt import fast
 from symrt.interactions import Interaction
 
 
@@ -27,14 +28,20 @@ class Entries:
         value: Float[np.ndarray, " entry"],
     ) -> None:
         """Add values, each to the interaction that `which` numbers; zeros are left out."""
-        present = np.flatnonzero(value)
-        if not present.size:
+        present = np.count_nonzero(value)
+        if not present:
             return
         number = np.array([self.columns.setdefault(i, len(self.columns)) for i in interactions], dtype=np.int32)
-        column = number[which[present]] if which is not None else np.full(present.size, number[0])
-        self.pixel.append(pixel[present].astype(np.int32))
-        self.column.append(column)
-        self.value.append(value[present])
+        which = np.zeros(value.size, np.int64) if which is None else which
+        kernels = fast.kernels("symrt.linear.fast.gathering", value.size)
+        if kernels and (pixel.dtype, which.dtype, value.dtype) == (np.int64, np.int64, np.float64):
+            found = np.empty(present, np.int32), np.empty(present, np.int32), np.empty(present)
+            kernels.keep(pixel, which, number, value, *found)
+        else:
+            there = np.flatnonzero(value)
+            found = pixel[there].astype(np.int32), number[which[there]], value[there]
+        for column, part in zip((self.pixel, self.column, self.value), found, strict=True):
+            column.append(part)
 
 
 def assemble(entries: Entries, pixels: int) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:

@@ -8,6 +8,7 @@ from itertools import zip_longest
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt import fast
 from symrt.linear.products import Product
 from symrt.linear.program import Program
 from symrt.reflection.polynomials import Monomial
@@ -223,6 +224,13 @@ def _pairs(
     hit: Int[np.ndarray, " thing"], value: Float[np.ndarray, " thing"], paths: Paths, pixel: Int[np.ndarray, " hit"]
 ) -> Pairs:
     """Pairs of a path and of a thing at the hit where it ends."""
+    kernels = fast.kernels("symrt.linear.fast.gathering", hit.size)
+    if kernels and value.dtype == np.float64:
+        which, product, on = np.empty((3, kernels.count(hit, paths.starts)), np.int64)
+        carried = np.empty(which.size)
+        along = paths.starts, paths.product, paths.coefficient
+        kernels.pairs(hit, value, *along, pixel, which, product, on, carried)
+        return Pairs(which, product, on, carried, paths.products)
     which, path = paths.to(hit)
     carried = paths.coefficient[path] * value[which]
     inside = {name: length[hit][which] for name, length in paths.inside.items()}

@@ -27,6 +27,18 @@ def factors(names: Iterable[str], normal: Direction, viewer: Direction, light: D
     return {name: _factor(name, vectors) for name in sorted(names)}
 
 
+def coded(name: str) -> tuple[int, int, int]:
+    """A factor as its kernel knows it: two of the vectors ``nvlrh``, and whether their cosine is taken from 1.
+
+    Examples
+    --------
+    >>> coded("one_minus_r_dot_v")
+    (3, 1, 1)
+    """
+    cosine = name.removeprefix("one_minus_")
+    return "nvlrh".index(cosine[0]), "nvlrh".index(cosine[-1]), int(cosine != name)
+
+
 def _factor(name: str, vectors: dict[str, Direction | None]) -> PerRay:
     cosine = name.removeprefix("one_minus_")
     first, second = (_vector(letter, vectors) for letter in (cosine[0], cosine[-1]))

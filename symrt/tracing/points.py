@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt import fast
 from symrt.arrays import dot
+from symrt.geometry.directions import whole_rows
 from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL, VIEW
 from symrt.scene.area_lights import AreaLight
@@ -14,7 +16,7 @@ from symrt.scene.figures import drawn_place
 from symrt.scene.lights import Answering, Illumination
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import Surface
-from symrt.tracing.factors import factors
+from symrt.tracing.factors import coded, factors
 from symrt.tracing.gathering import GATHERED, LIGHT, PATH, SEED, drawn
 from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
@@ -190,6 +192,8 @@ def _reached_from_a_place(
 
 def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:
     """The part of a light's sample that reaches the points at some hits, with the named cosines."""
+    if compiled := _lit_compiled(view, reached, hit, names):
+        return compiled
     position = reached.position[hit]
     point = np.flatnonzero(position >= 0)
     position, hit = position[point], hit[point]
@@ -199,6 +203,30 @@ def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit
         found = factors(names - VIEW, *view.facing(hit), direction)
     light, error = reached.light, None if reached.error is None else reached.error[position]
     return Lit(light.name, light.via, point, reached.irradiance[position], reached.visible[position], found, error)
+
+
+def _lit_compiled(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit | None:
+    """The same by kernels; None where NumPy is to do it."""
+    given = view.shading_normal, view.viewer, reached.direction, reached.irradiance, reached.visible
+    kernels = fast.kernels("symrt.tracing.fast.lighting", hit.size)
+    if kernels is None or any(array is None or array.dtype != np.float64 for array in given):
+        return None
+    normal, viewer, direction, irradiance, visible = (whole_rows(array) for array in given if array is not None)
+
+    # The points that the light reaches.
+    point, place = np.empty((2, hit.size), np.int64)
+    falls, seen = np.empty((2, hit.size))
+    count = kernels.reach(reached.position, hit, irradiance, visible, point, place, falls, seen)
+    point, place = point[:count], place[:count]
+
+    # The factors there; those of the same light, in the order of their names.
+    asked = sorted(names - VIEW)
+    codes = np.array([coded(name) for name in asked], np.int64).reshape(-1, 3)
+    found = np.empty((len(asked), count))
+    kernels.factors(codes, hit.take(point), place, normal, viewer, direction, found)
+    light, error = reached.light, None if reached.error is None else reached.error[place]
+    factors = dict(zip(asked, found, strict=True))
+    return Lit(light.name, light.via, point, falls[:count], seen[:count], factors, error)
 
 
 def _shares(

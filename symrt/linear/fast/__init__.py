@@ -1,0 +1,1 @@
+"""Paths and entries, compiled (step 2): what `symrt.linear` does in NumPy, to the same bits."""
