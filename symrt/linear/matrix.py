@@ -34,14 +34,15 @@ class Entries:
         number = np.array([self.columns.setdefault(i, len(self.columns)) for i in interactions], dtype=np.int32)
         which = np.zeros(value.size, np.int64) if which is None else which
         kernels = fast.kernels("symrt.linear.fast.gathering", value.size)
-        if kernels and (pixel.dtype, which.dtype, value.dtype) == (np.int64, np.int64, np.float64):
-            found = np.empty(present, np.int32), np.empty(present, np.int32), np.empty(present)
-            kernels.keep(pixel, which, number, value, *found)
+        if kernels and pixel.dtype == which.dtype == np.int64 and value.dtype == np.float64:
+            (pixels, columns), values = np.empty((2, present), np.int32), np.empty(present)
+            kernels.keep(pixel, which, number, value, pixels, columns, values)
         else:
             there = np.flatnonzero(value)
-            found = pixel[there].astype(np.int32), number[which[there]], value[there]
-        for column, part in zip((self.pixel, self.column, self.value), found, strict=True):
-            column.append(part)
+            pixels, columns, values = pixel[there].astype(np.int32), number[which[there]], value[there]
+        self.pixel.append(pixels)
+        self.column.append(columns)
+        self.value.append(values)
 
 
 def assemble(entries: Entries, pixels: int) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
