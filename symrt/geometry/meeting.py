@@ -46,8 +46,9 @@ def meet(
     >>> hits.distance, hits.shape
     (array([2.]), array([7], dtype=int32))
     """
-    # Rays that leave the shape for good are passed over, where they are enough for copying the others to pay.
-    if rays.left is not None:
+    # Rays that leave the shape for good are passed over, where they are enough for copying the others to pay: kernels
+    # pass over them by themselves.
+    if rays.left is not None and (which is not None or fast.kernels(ROOM, 0) is None):
         others = rays.left != index if which is None else rays.left[which] != index
         if np.count_nonzero(others) < 0.9 * others.size:
             which = np.flatnonzero(others) if which is None else which[others]
@@ -128,6 +129,7 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
     (array([False]), array([ True]))
     """
     among, blocked = gathered(shapes), np.zeros(len(rays), bool)
+    enough = 8 if fast.kernels(ROOM, 0) is None else 2
     for block in _blocks(among, len(rays)):
         chosen = np.arange(len(rays))[block]
         part, hits = rays[block], replace(no_hits(chosen.size), distance=limit[chosen])
@@ -138,7 +140,7 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
             meet(among[index], index, part, hits, any_hit=True)
             hidden = hits.shape >= 0
             # Copying the rays that are left pays once enough of them are done with, if all shapes are asked about all.
-            if among.tree is None and np.count_nonzero(hidden) * 8 > hidden.size:
+            if among.tree is None and np.count_nonzero(hidden) * enough > hidden.size:
                 blocked[chosen[hidden]] = True
                 chosen, part = chosen[~hidden], part[~hidden]
                 hits = replace(no_hits(chosen.size), distance=limit[chosen])

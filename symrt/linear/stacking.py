@@ -65,7 +65,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
 class Stack:
     """Rows of several matrices under each other, over the union of their columns, each written into its place.
 
-    Nothing is held twice: what is filled grows in place, and the numbers of columns are made those of the union where
+    Nothing is held twice: what is filled seldom has to move, and the numbers of columns are made those of the union where
     they stand.
 
     Parameters
@@ -86,15 +86,26 @@ class Stack:
         start = int(self.starts[self.row])
         stop = start + matrix.nnz
         if stop > self.data.size:
-            # A little more than needed, so that arrays which have to move do so few times; it is given back at the end.
-            for array in (self.data, self.indices):
-                array.resize(stop + stop // 8, refcheck=False)
+            self._make_room(stop, self.row + matrix.shape[0])
         self.data[start:stop] = matrix.data
         self.indices[start:stop] = matrix.indices
         after = self.row + matrix.shape[0]
         self.starts[self.row + 1 : after + 1] = matrix.indptr[1:] + np.int64(start)
         self.row = after
         self.filled.append((stop, interactions))
+
+    def _make_room(self, filled: int, rows: int) -> None:
+        """Make room for as many a row as there are in the first rows, and a little more, so that arrays seldom move.
+
+        What stays empty was never written to, costs no memory, and is given back at the end.
+        """
+        room = min(filled * (self.starts.size - 1) // rows, 64 * filled)
+        before = int(self.starts[self.row])
+        for name in ("data", "indices"):
+            array = getattr(self, name)
+            larger = np.empty(room + room // 8, array.dtype)
+            larger[:before] = array[:before]
+            setattr(self, name, larger)
 
     def matrix(self) -> tuple[sparse.csr_array, tuple[Interaction, ...]]:
         """The matrix of all rows, and its columns in canonical order; it takes the arrays over, and ends the stack.

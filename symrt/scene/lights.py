@@ -153,10 +153,8 @@ class PointLight:
         A point so near that 1/d² overflows is taken for the light itself: it has no direction, and stays dark.
         """
         towards = np.array(self.position)[:, None] - points
-        found = by_kernel(towards)
-        if found is not None:
-            direction, distance = found
-            return (Illumination(direction, distance, 1 / distance / distance),)
+        if found := by_kernel(towards):
+            return (Illumination(*found, 1 / found[1] / found[1]),)
         distance = length(towards)
         # Divided twice: d² itself would lose digits, or overflow, before 1/d² does.
         with np.errstate(divide="ignore", over="ignore"):
