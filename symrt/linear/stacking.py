@@ -65,7 +65,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
 class Stack:
     """Rows of several matrices under each other, over the union of their columns, each written into its place.
 
-    Nothing is held twice: what is filled seldom has to move, and the numbers of columns are made those of the union where
+    Nothing is held twice: what is filled seldom moves, and the numbers of columns are made those of the union where
     they stand.
 
     Parameters

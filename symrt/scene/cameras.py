@@ -180,8 +180,8 @@ def lens_rays(camera: Camera, window: Window, lens: Float[np.ndarray, "2 place"]
     origin = np.array(camera.position)[:, None] + right * aside + up * above
     aside, above = aside / camera.focus_distance, above / camera.focus_distance
     if camera.type == "perspective":
-        return Rays(origin, normalise(forward + right * (across - aside) + up * (upwards - above)))
-    return Rays(origin + right * across + up * upwards, normalise(forward - right * aside - up * above))
+        return Rays(origin, unit_vectors(forward + right * (across - aside) + up * (upwards - above)))
+    return Rays(origin + right * across + up * upwards, unit_vectors(forward - right * aside - up * above))
 
 
 def moved_camera(camera: Camera, by: Triple) -> Camera:
