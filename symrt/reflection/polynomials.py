@@ -5,6 +5,7 @@ stays one power, because its expansion cancels.
 """
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import sympy
 
@@ -28,7 +29,13 @@ def monomials(expression: sympy.Expr) -> dict[Monomial, sympy.Expr]:
     >>> monomials((diffuse + specular) * n_dot_l)
     {('diffuse',): n_dot_l, ('specular',): n_dot_l}
     """
-    return {met: coefficient for met, coefficient in sorted(_split(expression).items()) if coefficient != 0}
+    return dict(_monomials(expression))
+
+
+@lru_cache(maxsize=1024)
+def _monomials(expression: sympy.Expr) -> tuple[tuple[Monomial, sympy.Expr], ...]:
+    """The same as pairs, remembered: materials of one model have the same formulas."""
+    return tuple((met, coefficient) for met, coefficient in sorted(_split(expression).items()) if coefficient != 0)
 
 
 def _split(expression: sympy.Expr) -> dict[Monomial, sympy.Expr]:

@@ -8,16 +8,21 @@ from collections.abc import Callable
 import numpy as np
 
 
-def seconds(action: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    start = time.perf_counter()
+def seconds(action: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
+    """Wall time of one call, or what another clock says."""
+    start = clock()
     action()
-    return time.perf_counter() - start
+    return clock() - start
 
 
-def ratio(one: Callable[[], object], other: Callable[[], object], pairs: int = 9) -> tuple[float, float, float]:
+def ratio(
+    one: Callable[[], object],
+    other: Callable[[], object],
+    pairs: int = 9,
+    clock: Callable[[], float] = time.perf_counter,
+) -> tuple[float, float, float]:
     """Median of one/other over pairs, and the median seconds of each; the first pair warms up and does not count."""
-    times = np.array([(seconds(one), seconds(other)) for _ in range(pairs + 1)])[1:]
+    times = np.array([(seconds(one, clock), seconds(other, clock)) for _ in range(pairs + 1)])[1:]
     return float(np.median(times[:, 0] / times[:, 1])), *map(float, np.median(times, axis=0))
 
 

@@ -1,4 +1,4 @@
-"""The same bits, whoever renders: threads, processes, a cluster's workers, or machines that each render a part."""
+"""The same bits, whoever renders, by kernels or by NumPy: threads, processes, a cluster's, or machines with a part each."""
 
 import os
 import signal
@@ -15,6 +15,7 @@ import pytest
 from scenes_for_tests import SCENES, small
 
 import symrt as rt
+from symrt import fast
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(SCENES.parent)}
 
@@ -24,6 +25,15 @@ def small_tiles(monkeypatch):
     monkeypatch.setattr(import_module("symrt.linear.tiles"), "SAMPLES", 150)
 
 
+@pytest.fixture(params=[False, True], ids=["numpy", "kernels"])
+def kernels(request):
+    """Whether kernels are used, by whoever renders."""
+    if request.param and not fast.available():
+        pytest.skip("numba is not installed")
+    with fast.use(request.param):
+        yield request.param
+
+
 @pytest.fixture(scope="module")
 def scene():
     return small("spheres", 22)
@@ -31,7 +41,8 @@ def scene():
 
 @pytest.fixture(scope="module")
 def whole(scene):
-    return rt.collapse(rt.trace(scene))
+    with fast.use(False):
+        return rt.collapse(rt.trace(scene))
 
 
 def assert_same_bits(one: rt.LinearSystem, other: rt.LinearSystem) -> None:
@@ -57,6 +68,7 @@ def cluster():
         yield client.get_executor()
 
 
+@pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("workers", [1, 2, 8, "processes"])
 def test_threads_and_processes_give_the_same_bits(scene, whole, workers):
     assert_same_bits(rt.render(scene, workers=workers, progress=False), whole)
@@ -65,12 +77,15 @@ def test_threads_and_processes_give_the_same_bits(scene, whole, workers):
 @pytest.mark.parametrize("executor", [lambda: ThreadPoolExecutor(3), spawned, cluster])
 def test_executors_of_threads_of_processes_and_of_a_cluster_give_the_same_bits(scene, whole, executor):
     with executor() as workers:
-        assert_same_bits(rt.render(scene, executor=workers, progress=False), whole)
+        for kernels in (False, fast.available()):
+            with fast.use(kernels):
+                assert_same_bits(rt.render(scene, executor=workers, progress=False), whole)
 
 
 def test_parts_of_several_machines_give_the_same_bits(scene, whole, tmp_path):
-    for number, workers in ((1, 1), (2, 8), (3, 2)):
-        rt.render_part(scene, (number, 3), tmp_path, workers=workers, progress=False)
+    for number, workers, kernels in ((1, 1, True), (2, 8, False), (3, 2, True)):
+        with fast.use(kernels and fast.available()):
+            rt.render_part(scene, (number, 3), tmp_path, workers=workers, progress=False)
     assert_same_bits(rt.merge_parts(tmp_path), whole)
 
 
