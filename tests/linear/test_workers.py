@@ -1,4 +1,4 @@
-"""The same bits, whoever renders, by kernels or by NumPy: threads, processes, a cluster's, or machines with a part each."""
+"""The same bits, whoever renders, by kernels or NumPy: threads, processes, a cluster's, machines with a part each."""
 
 import os
 import signal
