@@ -89,14 +89,17 @@ def _by_processes(job: Job, windows: list[Window]) -> Generator[Tile, None, None
 
     begin = partial(_begin, job, fast.wanted(), os.getpid())
     pool = ProcessPoolExecutor(min(processors(), len(windows)), initializer=begin)
-    with _interrupts_held():
-        waiting = deque(pool.submit(_next, window) for window in windows)
+    ended = False
     try:
+        # An interrupt that was held is raised at the end of this block.
+        with _interrupts_held():
+            waiting = deque(pool.submit(_next, window) for window in windows)
         while waiting:
             yield waiting.popleft().result()
+        ended = True
     finally:
         # Whatever ends the render early, an interrupt too, ends the workers in the midst of their tiles.
-        pool.shutdown(wait=True, kill_workers=bool(waiting))
+        pool.shutdown(wait=True, kill_workers=not ended)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_context
@@ -87,6 +87,32 @@ def test_parts_of_several_machines_give_the_same_bits(scene, whole, tmp_path):
         with fast.use(kernels and fast.available()):
             rt.render_part(scene, (number, 3), tmp_path, workers=workers, progress=False)
     assert_same_bits(rt.merge_parts(tmp_path), whole)
+
+
+def test_an_interrupt_that_was_held_ends_the_workers(scene, monkeypatch):
+    # It is raised as soon as the last tile has been handed out, before the first is waited for.
+    class Pool:
+        ended = None
+
+        def __init__(self, *_args, **_named):
+            pass
+
+        def submit(self, *_args):
+            return Future()
+
+        def shutdown(self, *, wait, kill_workers):
+            Pool.ended = wait and kill_workers
+
+    @contextmanager
+    def held():
+        yield
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(import_module("loky"), "ProcessPoolExecutor", Pool)
+    monkeypatch.setattr(import_module("symrt.linear.workers"), "_interrupts_held", held)
+    with pytest.raises(KeyboardInterrupt):
+        rt.render(scene, workers="processes", progress=False)
+    assert Pool.ended
 
 
 def children(parent: int) -> set[int]:
