@@ -230,12 +230,12 @@ def _pairs(
         carried = np.empty(which.size)
         along = paths.starts, paths.product, paths.coefficient
         kernels.pairs(hit, value, *along, pixel, which, product, on, carried)
-        return Pairs(which, product, on, carried, paths.products)
-    which, path = paths.to(hit)
-    carried = paths.coefficient[path] * value[which]
+    else:
+        which, path = paths.to(hit)
+        product, on, carried = paths.product[path], pixel[hit][which], paths.coefficient[path] * value[which]
     inside = {name: length[hit][which] for name, length in paths.inside.items()}
     window = None if paths.window is None else paths.window[hit][which]
-    return Pairs(which, paths.product[path], pixel[hit][which], carried, paths.products, inside, window)
+    return Pairs(which, product, on, carried, paths.products, inside, window)
 
 
 def _lost(

@@ -110,12 +110,12 @@ def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving:
         viewer, normal, shading_normal = (np.empty(array.shape) for array in given)
         behind = np.empty(slot.size, np.bool_)
         kernels.look(*map(whole_rows, given), viewer, normal, shading_normal, behind)
-        leaving = np.where(behind, leaving[::-1], leaving)
-        return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving)
-    viewer = -batch.rays.direction
-    normal = _turned(surface.normal, viewer)
-    shading_normal = _turned(surface.shading_normal, normal)
-    leaving = np.where(dot(surface.normal, viewer) < 0, leaving[::-1], leaving)
+    else:
+        viewer = -batch.rays.direction
+        normal = _turned(surface.normal, viewer)
+        shading_normal = _turned(surface.shading_normal, normal)
+        behind = dot(surface.normal, viewer) < 0
+    leaving = np.where(behind, leaving[::-1], leaving)
     return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving, batch.branches)
 
 
