@@ -148,7 +148,9 @@ def _plain(
     """Both crossings by plain arithmetic, and where they are good.
 
     That is far from the rim, from a radius away or more, and not so far away that the distance of the line from the
-    centre is rounding noise.
+    centre is rounding noise.  The distance is then wrong by 17.9u at most, u = 2⁻⁵³, if all of its 38 roundings were
+    the worst, to first order: that is less than 18 units in the last place, and 8 were the most of 6 million rays
+    drawn where they add up, at the rim of what is let through.
     """
     squared_radius = float(sphere.radius) ** 2
     a, b, distance = dot(d, d), dot(m, d), dot(m, m)

@@ -153,14 +153,12 @@ class PointLight:
         A point so near that 1/d² overflows is taken for the light itself: it has no direction, and stays dark.
         """
         towards = np.array(self.position)[:, None] - points
-        if found := by_kernel(towards):
-            return (Illumination(*found, 1 / found[1] / found[1]),)
-        distance = length(towards)
+        unit, distance = by_kernel(towards) or (None, length(towards))
         # Divided twice: d² itself would lose digits, or overflow, before 1/d² does.
         with np.errstate(divide="ignore", over="ignore"):
             falloff = 1 / distance / distance
         lit = np.isfinite(falloff)
-        direction = normalise(np.where(lit, towards, [[0.0], [1.0], [0.0]]))
+        direction = normalise(np.where(lit, towards, [[0.0], [1.0], [0.0]])) if unit is None else unit
         return (Illumination(direction, distance, np.where(lit, falloff, 0.0)),)
 
     def moved(self, by: Triple) -> "PointLight":

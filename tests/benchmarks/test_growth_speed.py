@@ -1,12 +1,11 @@
-"""How the time of a render grows, over two decades of pixels and of lights; and what a pool of processes is worth."""
+"""How the time of a render grows with pixels, shapes and lights, over two decades; and what processes cost."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks import growth
 from benchmarks.pairs import ratio
-from scenes_for_tests import lamps
 
 import symrt as rt
 from symrt import fast
@@ -16,43 +15,20 @@ STEEPEST = 1.05
 """Slope of the time over the number, both as logarithms; 1 is in proportion."""
 
 
-def spent(scene: rt.Scene) -> float:
-    """Processor seconds of a render by one worker: the least of three, after one that pays for what is paid once."""
-    found = []
-    for _ in range(4):
-        start = time.process_time()
-        rt.render(scene, workers=1, progress=False)
-        found.append(time.process_time() - start)
-    return min(found[1:])
+@pytest.mark.parametrize("measure", [growth.with_pixels, growth.with_lights])
+def test_time_grows_no_faster_than_pixels_and_lights(measure, report, benchmark):
+    found = benchmark.pedantic(measure, rounds=1)
+    report(str(found))
+    assert max(found.slopes) <= STEEPEST
 
 
-def slopes(counts: list[int], times: list[float]) -> tuple[float, float]:
-    """The slope of the line through all of them, and through their last half, where what is fixed counts less."""
-    x, y = np.log(counts), np.log(times)
-    half = len(counts) // 2
-    return float(np.polyfit(x, y, 1)[0]), float(np.polyfit(x[half:], y[half:], 1)[0])
-
-
-def table(counts: list[int], times: list[float]) -> str:
-    return ", ".join(f"{count}: {seconds * 1e3:.0f} ms" for count, seconds in zip(counts, times, strict=True))
-
-
-def test_time_grows_no_faster_than_the_pixels(globe, report, benchmark):
-    sides = [160, 285, 506, 900, 1600]  # 1 : 100 in pixels
-    scenes = [replace(globe, camera=replace(globe.camera, width=side, height=side)) for side in sides]
-    times = benchmark.pedantic(lambda: [spent(scene) for scene in scenes], rounds=1)
-    counts = [side * side for side in sides]
-    found = slopes(counts, times)
-    report(f"growth with pixels of the globe, slope {found[0]:.2f}, at the end {found[1]:.2f} ({table(counts, times)})")
-    assert max(found) <= STEEPEST
-
-
-def test_time_grows_no_faster_than_the_lights(report, benchmark):
-    counts = [1, 3, 10, 32, 100]
-    times = benchmark.pedantic(lambda: [spent(lamps(count, size=192)) for count in counts], rounds=1)
-    found = slopes(counts, times)
-    report(f"growth with lights, slope {found[0]:.2f}, at the end {found[1]:.2f} ({table(counts, times)})")
-    assert max(found) <= STEEPEST
+def test_time_grows_with_the_logarithm_of_the_shapes(report, benchmark):
+    # A logarithm adds as much from each doubling to the next: the last ones may add no more than twice the mean.
+    found = benchmark.pedantic(growth.with_shapes, rounds=1)
+    report(f"{found}, {found.a_doubling * 1e3:.0f} ms each doubling")
+    last = (found.times[-1] - found.times[-2]) / np.log2(found.counts[-1] / found.counts[-2])
+    assert last <= 2 * found.a_doubling
+    assert max(found.slopes) < 0.5
 
 
 def test_processes_give_the_bits_of_threads_and_what_they_cost_is_told(globe, report, benchmark):

@@ -1,25 +1,13 @@
 """What many shapes cost, as a ratio to few: a ray is asked about those it may meet."""
 
-import numpy as np
 import pytest
+from benchmarks.growth import spheres
 from benchmarks.pairs import ratio
 
 import symrt as rt
 from symrt import fast
 
 pytestmark = pytest.mark.benchmark
-
-
-def spheres(count):
-    """As many spheres under two lamps, as large together as any other number of them."""
-    random = np.random.default_rng(0)
-    places, radius = random.uniform((-3, -3, -1), (3, 3, 1), (count, 3)), 0.55 * (20 / count) ** 0.5
-    return rt.Scene(
-        camera=rt.Camera(position=(0, 0, 9), target=(0, 0, 0), field_of_view=40, width=512, height=512),
-        shapes=[rt.Sphere(tuple(place.tolist()), radius, "red") for place in places],
-        materials=[rt.Material("red", model="phong", exponent=40)],
-        lights=[rt.PointLight("warm", position=(4, 6, 8)), rt.PointLight("cold", position=(-4, 3, 8))],
-    )
 
 
 def test_a_hundred_times_as_many_spheres_cost_a_logarithm(report, benchmark):

@@ -55,7 +55,7 @@ def test_the_first_image_costs_little_more_than_by_an_exact_kernel(first_image, 
 
 
 def test_the_first_image_costs_less_than_nine_exact_passes_of_mitsuba(first_image, report, benchmark):
-    mi = pytest.importorskip("mitsuba", reason="mitsuba is not installed")
+    mi = pytest.importorskip("mitsuba", reason="to be had by pip install mitsuba")
     if "llvm_ad_spectral" not in mi.variants():
         pytest.skip("this mitsuba has no variant llvm_ad_spectral")
     mi.set_variant("llvm_ad_spectral")

@@ -57,6 +57,47 @@ def test_a_line_that_passes_four_radii_away_misses_from_1e17_too():
     assert intersect(Sphere((0, 0, 0), 1, "a"), ray).distance[0] == np.inf
 
 
+def roundings(m, d):
+    """The part of each rounding in the plain distance to a unit sphere, to first order: its relative error over u."""
+
+    def distance(at):
+        number = iter(range(100))
+
+        def rounded(value):
+            return value * (1 + 1e-5) if next(number) == at else value
+
+        def product(a, b):
+            return rounded(rounded(rounded(a[0] * b[0]) + rounded(a[1] * b[1])) + rounded(a[2] * b[2]))
+
+        n = [rounded(component) for component in m]
+        across = [rounded(rounded(n[i] * d[j]) - rounded(n[j] * d[i])) for i, j in ((1, 2), (2, 0), (0, 1))]
+        square, radius, a, b, c = product(across, across), rounded(1.0), product(d, d), product(n, d), product(n, n)
+        q = rounded(-b + rounded(np.sqrt(rounded(rounded(a * radius) - square))))
+        return rounded(rounded(c - radius) / q), next(number)
+
+    exact, count = distance(-1)
+    return [(distance(at)[0] - exact) / exact * 1e5 for at in range(count)]
+
+
+@pytest.mark.parametrize("draws", DRAWS)
+def test_the_roundings_of_plain_arithmetic_sum_to_less_than_18(draws):
+    # Worst at the rim of what `_plain` lets through: two radii from the centre, 0.75 of the squared radius aside.
+    generator = np.random.default_rng(8)
+    away = np.where(generator.uniform(size=draws) < 0.5, 2.0, 2 * 10 ** generator.uniform(0, 3, draws))
+    aside = np.sqrt(np.where(generator.uniform(size=draws) < 0.5, 0.75, 0.75 * generator.uniform(size=draws)))
+    way = directions(generator, draws)
+    m = aside * across(generator, way) - np.sqrt(away**2 - aside**2) * way
+    worst = np.sum(np.abs(roundings(m, way)), axis=0).max()
+    assert 14 < worst < 18
+
+
+@pytest.mark.parametrize("draws", DRAWS)
+def test_where_the_roundings_of_plain_arithmetic_add_up_distances_keep_to_10_ulp(draws):
+    generator = np.random.default_rng(9)
+    rim = 2 * (1 + 1e-3 * generator.uniform(size=RAYS))
+    check(generator, draws, lambda: passing(generator, np.sqrt(0.75 * (1 - 1e-3)), np.sqrt(rim**2 - 0.75)), least=0.9)
+
+
 @pytest.mark.parametrize("draws", DRAWS)
 def test_grazed_spheres_are_hit_or_missed_as_in_exact_arithmetic(draws):
     generator = np.random.default_rng(2)

@@ -44,7 +44,7 @@ def test_light_at_points_has_the_bits_of_numpy(share):
     position = np.full(900, -1)
     position[reached] = np.arange(reached.size)
     place, none = Surface(normal, normal, normal, normal[:2], normal[:2], normal[0]), np.zeros((2, 900), np.int32)
-    view = View(place, none[0], viewer, normal, normal, none[0], {}, none)
+    view = View(place, none[0], viewer, normal, normal, none[0], {}, none, branches=())
     values = generator.uniform(size=(3, reached.size))
     light = rt.PointLight("sun", position=(0, 1, 0))
     sample = Reached(light, position, direction.take(reached, axis=1), values[0], values[1], False, values[2])

@@ -26,12 +26,12 @@ def small_tiles(monkeypatch):
 
 
 @pytest.fixture(params=[False, True], ids=["numpy", "kernels"])
-def kernels(request):
-    """Whether kernels are used, by whoever renders."""
+def either(request):
+    """Kernels used or not, by whoever renders."""
     if request.param and not fast.available():
         pytest.skip("numba is not installed")
     with fast.use(request.param):
-        yield request.param
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def cluster():
         yield client.get_executor()
 
 
-@pytest.mark.usefixtures("kernels")
+@pytest.mark.usefixtures("either")
 @pytest.mark.parametrize("workers", [1, 2, 8, "processes"])
 def test_threads_and_processes_give_the_same_bits(scene, whole, workers):
     assert_same_bits(rt.render(scene, workers=workers, progress=False), whole)
