@@ -7,6 +7,8 @@ from pathlib import Path
 import symrt as rt
 
 SCENES = Path(__file__).parent.parent / "scenes"
+FEW = 4
+"""Most lights that a small scene keeps: every pixel's formula has a term for each."""
 
 
 def every_scene() -> list[str]:
@@ -15,9 +17,11 @@ def every_scene() -> list[str]:
 
 
 def small(name: str, size: int, samples: int = 1) -> rt.Scene:
-    """A shipped scene with a film of size × size pixels, and few places on the lens if it has one."""
+    """A shipped scene with a film of size × size pixels, few places on a lens, and few of many lights."""
     scene = rt.load_scene(SCENES / f"{name}.toml")
-    return replace(scene, camera=replace(scene.camera, width=size, height=size, samples=samples, lens_samples=2))
+    lights = scene.lights if len(scene.lights) <= FEW else scene.lights[: FEW - 1] + scene.lights[-1:]
+    eye = replace(scene.camera, width=size, height=size, samples=samples, lens_samples=2)
+    return replace(scene, camera=eye, lights=lights)
 
 
 def palettes(name: str) -> dict[str, rt.Palette]:

@@ -14,7 +14,7 @@ import tomli_w
 import symrt as rt
 
 SCENES = sorted((Path(__file__).parents[1] / "scenes").glob("*.toml"))
-SMALLER = {"lens": 14}
+SMALLER = {"lens": 14, "many_lights": 3}
 """Pixels across pictures of scenes that cost a scalar tracer more than others."""
 COMPONENTS = {
     "lambert": ["diffuse"],

@@ -31,6 +31,27 @@ def test_time_grows_with_the_logarithm_of_the_shapes(report, benchmark):
     assert max(found.slopes) < 0.5
 
 
+@pytest.mark.parametrize("compiled", [True, False])
+def test_sixty_four_lights_cost_at_most_twenty_times_one(compiled, report, benchmark):
+    town = rt.load_scene("many_lights")
+    town = replace(town, camera=replace(town.camera, width=160, height=120), lights=town.lights[:64])
+    cases = {
+        "a ball": (lamps(1, size=192), lamps(64, size=192)),
+        "a town": (replace(town, lights=town.lights[:1]), town),
+    }
+
+    def render(case):
+        one, many = case
+        return spent(one), spent(many)
+
+    with fast.use(compiled):
+        times = benchmark.pedantic(lambda: {name: render(case) for name, case in cases.items()}, rounds=1)
+    for name, (one, many) in times.items():
+        how = "compiled" if compiled else "NumPy alone"
+        report(f"64 lights on {name}, {how}: {many / one:.1f} times one ({many * 1e3:.0f} ms of a processor)")
+        assert many <= 20 * one
+
+
 def test_processes_give_the_bits_of_threads_and_what_they_cost_is_told(globe, report, benchmark):
     large = replace(globe, camera=replace(globe.camera, width=1024, height=1024))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+import symrt as rt
 from symrt.interactions import Interaction
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.palette import Palette
@@ -49,6 +50,23 @@ def test_shading_costs_at_most_half_more_than_the_bare_product(benchmark):
     benchmark.extra_info |= {"ratio to bare CSR": round(shaded / bare, 3), "bare ms": round(1e3 * bare, 1)}
     benchmark(shade, system, palette)
     assert shaded <= 1.5 * bare
+
+
+@pytest.mark.benchmark(group="shade 36 bands, many lights")
+def test_shading_a_million_coefficients_takes_at_most_twenty_milliseconds(benchmark):
+    # Processor time, which another program on the same machine does not lengthen as much.
+    system, palette = (
+        rt.render(rt.load_scene("many_lights"), progress=False),
+        rt.load_palettes("many_lights")["macbeth"],
+    )
+    spent = []
+    for _ in range(9):
+        start = time.process_time()
+        shade(system, palette)
+        spent.append(time.process_time() - start)
+    benchmark.extra_info |= {"ms a million": round(1e9 * min(spent) / system.G.nnz, 1), "columns": system.G.shape[1]}
+    benchmark(shade, system, palette)
+    assert min(spent) <= 0.020 * system.G.nnz / 1e6
 
 
 @pytest.mark.benchmark(group="sRGB preview, 512²")
