@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from symrt.table import html_table, percent, text_table
+from symrt.table import duration, html_table, percent, text_table
 
 HEAD = ("", "rays", "pixels", "time")
 
@@ -42,7 +42,7 @@ class Count:
         ways = ", ".join(f"{number:,} {name}" for name, number in self.ways.items())
         rays = f"{self.rays:,}" + (f" ({ways})" if len(self.ways) > 1 else "") if self.rays else "none"
         share = "" if self.pixels is None else percent(self.pixels / max(1, pixels))
-        return rays, share, f"{self.seconds:.2g} s"
+        return rays, share, duration(self.seconds)
 
 
 @dataclass(frozen=True, repr=False)

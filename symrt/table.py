@@ -95,3 +95,28 @@ def percent(share: float) -> str:
     if 0 < share < 0.001:
         return "< 0.1%"
     return "> 99.9%" if 0.999 < share < 1 else f"{share:.1%}"
+
+
+def duration(seconds: float) -> str:
+    """A time in a unit that is not much larger.
+
+    Examples
+    --------
+    >>> duration(0.0123), duration(75.0), duration(7300.0)
+    ('0.012 s', '75 s', '2 hours')
+    """
+    for size, word in ((3600, "hours"), (60, "minutes")):
+        if seconds >= 2 * size:
+            return f"{two_digits(seconds / size)} {word}"
+    return f"{two_digits(seconds)} s"
+
+
+def two_digits(number: float) -> str:
+    """A number with two digits, or all of those before the point.
+
+    Examples
+    --------
+    >>> two_digits(0.0123), two_digits(1234.5)
+    ('0.012', '1234')
+    """
+    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"

@@ -64,6 +64,7 @@ def probe(
     found = rt.probe(rt.load_scene(scene), rays=rays)
     record = {"rays": found.rays, "mirrored": found.mirrored, "hidden": found.hidden}
     record |= {"meetings": [asdict(meeting) for meeting in found.meetings]}
+    record |= {"branches": [asdict(branching) for branching in found.branches]}
     say(json_text(record) if as_json else str(found))
 
 

@@ -13,6 +13,7 @@ from symrt.linear.program import Free, Values
 from symrt.linear.tiles import RAYS, SAMPLES, rows_of
 from symrt.linear.workers import Workers, processors, threads_used
 from symrt.scene.records import Scene
+from symrt.table import duration, two_digits
 from symrt.tracing.stage import Alternatives
 from symrt.tracing.tracer import trace_window
 
@@ -49,7 +50,9 @@ class Estimate:
 
     def __str__(self) -> str:
         counts = f"{_round(self.pixels)} pixels, {_round(self.rays)} rays, {_round(self.coefficients)} coefficients"
-        return f"about {counts}: {_short(self.memory / GIB)} GiB of memory, {_time(self.seconds)} of one processor"
+        return (
+            f"about {counts}: {two_digits(self.memory / GIB)} GiB of memory, {duration(self.seconds)} of one processor"
+        )
 
 
 def estimate(  # noqa: PLR0913  # a public verb names its options
@@ -131,8 +134,8 @@ def check_memory(job: Job, workers: Workers, memory: float | int | None, rows: t
     found = of_job(job, workers, rows)
     if found.memory > most:
         raise ValueError(
-            f"{found}; {_short(most / GIB)} GiB are there: render it smaller, or in parts on larger machines, or say "
-            "how much there is: memory=, --memory, in GiB"
+            f"{found}; {two_digits(most / GIB)} GiB are there: render it smaller, or in parts on larger machines, or "
+            "say how much there is: memory=, --memory, in GiB"
         )
 
 
@@ -154,18 +157,5 @@ def _round(count: int) -> str:
     """A number of things in words."""
     for size, word in ((10**9, "thousand million"), (10**6, "million"), (10**3, "thousand")):
         if count >= size:
-            return f"{_short(count / size)} {word}"
+            return f"{two_digits(count / size)} {word}"
     return str(count)
-
-
-def _time(seconds: float) -> str:
-    """A time in a unit that is not much larger."""
-    for size, word in ((3600, "hours"), (60, "minutes")):
-        if seconds >= 2 * size:
-            return f"{_short(seconds / size)} {word}"
-    return f"{_short(seconds)} s"
-
-
-def _short(number: float) -> str:
-    """A number with two digits, or all of those before the point."""
-    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"

@@ -23,8 +23,10 @@ from symrt.tracing.tally import CAMERA
 from symrt.tracing.tracer import trace_window
 from symrt.windows import EVERYWHERE
 
-FEW, MANY = 16**2, 40**2
-"""Camera rays of the smaller and of the larger coarse render."""
+FEW, MANY = (16**2, 48), (40**2, 192)
+"""Pixels of the smaller and of the larger coarse render: as a rule, and at least."""
+RAYS = 32
+"""Rays for each of these pixels beyond which there are fewer of them."""
 REPEATED = 2
 """Times that each is made: the faster one counts."""
 REFLECTANCE = 0.8
@@ -200,10 +202,11 @@ def _sum(shares: Shares, reflectance: float) -> float:
     return sum(most * reflectance ** len(met) for met, most in shares)
 
 
-def _coarse(chosen: Plan, stage: Stage, program: Program, rays: int) -> LinearSystem:
-    """The system of a coarse render, of about so many of the camera's rays."""
+def _coarse(chosen: Plan, stage: Stage, program: Program, size: tuple[int, int]) -> LinearSystem:
+    """The system of a coarse render of so many pixels, or less where each of them takes many rays."""
+    most, least = size
     camera = stage.camera
-    pixels = max(1.0, rays / camera.rays_a_pixel)
+    pixels = max(least, most * min(1.0, RAYS / (camera.rays_a_pixel * chosen.rays_a_sample)))
     across = max(1, round((pixels * camera.width / camera.height) ** 0.5))
     coarse = replace(camera, width=across, height=max(1, round(pixels / across)))
     return run(program, trace_window(replace(stage, camera=coarse), chosen))

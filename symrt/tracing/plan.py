@@ -10,7 +10,7 @@ from html import escape
 from math import isfinite
 from typing import Literal
 
-from symrt.table import html_table, percent, sentences, text_table
+from symrt.table import duration, html_table, percent, sentences, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 EXPECTED = ("effect", "", "called for by", "rays", "time", "without it pixels miss")
@@ -93,7 +93,7 @@ class Expected:
         missed = ""
         if self.most is not None and self.mean is not None:
             missed = f"up to {_share(self.most)}, {_share(self.mean)} in the mean" if self.most else "nothing seen"
-        return rays, f"{self.seconds:.2g} s", missed
+        return rays, duration(self.seconds), missed
 
 
 def _share(share: float) -> str:
@@ -124,8 +124,8 @@ class Expectation:
         """A sentence about where the numbers come from."""
         seconds = sum(one.seconds for one in self.effects.values())
         return (
-            f"expected of {self.rays:,} rays, on one processor of this machine: {seconds:.2g} s in all; shares are of "
-            f"white, over {self.pixels:,} pixels, for any reflectances up to 1"
+            f"expected of {self.rays:,} rays, on one processor of this machine: {duration(seconds)} in all; shares are "
+            f"of white, over {self.pixels:,} pixels, for any reflectances up to 1"
         )
 
 
