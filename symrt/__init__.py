@@ -67,8 +67,10 @@ _NAMES = {
     # 3: shade
     "symrt.spectra": [
         "RGB",
+        "bell",
         "clipped",
         "Bands",
+        "Fluorescence",
         "Palette",
         "Reference",
         "SpectralImage",

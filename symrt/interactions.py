@@ -1,7 +1,8 @@
 """Interactions: the names of a linear system's columns, as they are written and grouped (between steps 2 and 3)."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -26,7 +27,8 @@ class Interaction:
         Name of the light.
     met
         Names of the reflectance symbols, ``material.component``: sorted, because they commute, or in the order in which
-        light met them where that was asked for.
+        light met them where that was asked for.  A fluorescent one commutes with none: it stays between those that
+        light met before and after it, see `normal_order`.
     nodes
         ``(parameter, index)`` for each free parameter whose node this column belongs to.
     window
@@ -53,7 +55,8 @@ class Interaction:
     powers: tuple[tuple[str, float], ...] = ()
 
     def __str__(self) -> str:
-        met = [f"{name}**{k}" if (k := self.met.count(name)) > 1 else name for name in dict.fromkeys(self.met)]
+        runs = [(name, len(list(run))) for name, run in groupby(self.met)]
+        met = [f"{name}**{count}" if count > 1 else name for name, count in runs]
         through = [f"{name}**{length!r}" for name, length in self.powers]
         window = [str(self.window)] if self.window else []
         return "*".join([self.light, *met, *through, *window, *(f"node({name},{j})" for name, j in self.nodes)])
@@ -72,6 +75,23 @@ class Interaction:
     def names(self) -> tuple[str, ...]:
         """The light, the reflectances met, and the transmittances of glass on the way: all it depends on."""
         return (self.light, *self.met, *(name for name, _ in self.powers))
+
+
+def normal_order(met: Iterable[str]) -> tuple[str, ...]:
+    """Reflectances, from the light to the eye, in the one order that all equal products share.
+
+    Spectra commute, and are sorted; a fluorescent one is a matrix, which none may pass: they are sorted before and
+    after it.
+
+    Examples
+    --------
+    >>> normal_order(["sea.mirror", "sea.diffuse"])
+    ('sea.diffuse', 'sea.mirror')
+    >>> normal_order(["sea.mirror", "paint.fluorescence", "sea.mirror", "ice.diffuse"])
+    ('sea.mirror', 'paint.fluorescence', 'ice.diffuse', 'sea.mirror')
+    """
+    runs = groupby(met, key=lambda name: Symbol.of(name).fluorescent)
+    return tuple(name for fluorescent, run in runs for name in (run if fluorescent else sorted(run)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +164,7 @@ def settled(
 
 
 def written(text: str) -> list[tuple[Interaction, float]]:
-    """The terms of a pixel that one writes down; those that are written as 0 are none.
+    """The terms of a pixel that one writes down, light first; those that are written as 0 are none.
 
     Raises
     ------
@@ -171,7 +191,7 @@ def written(text: str) -> list[tuple[Interaction, float]]:
             )
         if len(windows) > 1:
             raise ValueError(f"{shown(text)}: {len(windows)} windows of wavelengths in a term; light has one at most")
-        met = sorted(name for name, symbol in zip(names, symbols, strict=True) if symbol.reflectance)
+        met = normal_order(name for name, symbol in zip(names, symbols, strict=True) if symbol.reflectance)
         window = windows[0] if windows else EVERYWHERE
 
         # Lengths in one glass are added up.
@@ -179,5 +199,5 @@ def written(text: str) -> list[tuple[Interaction, float]]:
         for name, length in (factor for factor in factors if not isinstance(factor, str)):
             through[name] = through.get(name, 0.0) + length
         powers = tuple(sorted(through.items()))
-        found.append((Interaction(lights[0], tuple(met), window=window, powers=powers), coefficient))
+        found.append((Interaction(lights[0], met, window=window, powers=powers), coefficient))
     return found

@@ -4,7 +4,7 @@ A file is believed no more than a scene file is: every name, index, shape and nu
 rule and against the others, before a system is made of them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,16 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
-from symrt.columns import columns_of, row_of, wrong_lengths
+from symrt.columns import columns_of, row_of
 from symrt.counts import Count, Counts
-from symrt.errors import plain, shown
+from symrt.errors import shown
 from symrt.estimates import Estimate
+from symrt.faults import faults
 from symrt.headers import count_of, list_of, number_of, size_of, table_of, text_of
 from symrt.interactions import Interaction
 from symrt.lengths import Lengths
 from symrt.nodes import Nodes
-from symrt.symbols import NAME, OF_MATERIAL, RESERVED, Symbol
+from symrt.symbols import OF_MATERIAL
 from symrt.system import LinearSystem
 from symrt.tails import Shares, Tail
 
@@ -29,11 +30,9 @@ LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
 KEYS = ("height", "width", "interactions", "tail", "reflected", "passed", "white", "models", "parameters", "seconds")
 """Of the header, beside those that every file of ours has."""
-TOLD = ("errors", "noise", "counts", "lengths")
+TOLD = ("errors", "noise", "counts", "lengths", "fluorescent")
 """Of the header, where there is any of it."""
 ARRAYS = frozenset(f"{name}_{part}" for name in ("G", "tail") for part in ("data", "indices", "indptr"))
-LONGEST = 1 << 16
-"""Letters of a model's formulas."""
 
 
 def save_system(path: str | Path, system: LinearSystem) -> None:
@@ -64,7 +63,7 @@ def save_system(path: str | Path, system: LinearSystem) -> None:
 
 def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """The header and the arrays of a file that holds a system, unless `unpacked` would refuse them."""
-    if fault := next(_faults(system), None):
+    if fault := next(faults(system), None):
         raise ValueError(f"not saved: {fault}: correct the system")
     tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
     header = {
@@ -83,10 +82,8 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         # Files of all other systems stay as they were before there was such a record.
         place = {interaction: k for k, interaction in enumerate(system.interactions)}
         header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
-    if system.subtracting:
-        header["subtracting"] = list(system.subtracting)
-    if system.glowing:
-        header["glowing"] = list(system.glowing)
+    some = {"subtracting": system.subtracting, "glowing": system.glowing, "fluorescent": tail.fluorescent}
+    header |= {name: list(names) for name, names in some.items() if names}
     if system.errors:
         header["errors"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.errors.items()}
     if system.counts.effects:
@@ -137,7 +134,8 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
 
     # Both matrices, and all that is said of them.
     bound = _matrix(arrays, "tail", height * width, 0 if tail is None else len(tail))
-    if tail is None and (reflected or passed):
+    fluorescent = tuple(map(text_of, list_of(header.get("fluorescent", []))))
+    if tail is None and (reflected or passed or fluorescent):
         raise ValueError("nothing was cut off, but there are shares of it")
     system = LinearSystem(
         G=_matrix(arrays, "G", height * width, len(interactions)),
@@ -147,7 +145,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         white={name: float.fromhex(text_of(v)) for name, v in table_of(header["white"])},
         models={name: text_of(v) for name, v in table_of(header["models"])},
         parameters=_parameters(header["parameters"]),
-        tail=None if tail is None else Tail(bound, tail, reflected, passed),
+        tail=None if tail is None else Tail(bound, tail, reflected, passed, fluorescent),
         seconds={name: number_of(v) for name, v in table_of(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
         subtracting=tuple(map(text_of, list_of(header.get("subtracting", [])))),
@@ -159,98 +157,9 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
     )
 
     # Parts that fit each other.
-    if fault := next(_faults(system), None):
+    if fault := next(faults(system), None):
         raise ValueError(fault)
     return system
-
-
-def _faults(system: LinearSystem) -> Iterator[str]:
-    """Names and numbers that no scene gives, and parts that contradict each other: those of saved and loaded alike."""
-    tail = system.tail or Tail(sparse.csr_array((0, 0)))
-    yield from _wrong_names(system, tail)
-    yield from _wrong_columns(system, tail)
-    yield from wrong_lengths((*system.interactions, *tail.interactions))
-    yield from _wrong_numbers(system, tail)
-
-
-def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
-    """Names against the rule for scene files, and against each other."""
-    # Every name that occurs.
-    columns = (*system.interactions, *tail.interactions)
-    shares = (*tail.reflected, *tail.passed)
-    met = {name for i in columns for name in i.names[1:]} | {name for s in shares for names, _ in s for name in names}
-    symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
-    materials = {name for symbol in symbols for name in (symbol.material, symbol.place)} | set(system.models)
-
-    # Each as the rule for its kind has it.
-    for kind, names, rule in (
-        ("light", system.white, NAME),
-        ("material", system.models, NAME),
-        ("material", system.subtracting, NAME),
-        ("reflectance", sorted(met), OF_MATERIAL),
-        ("transmittance", system.lengths, OF_MATERIAL),
-        ("parameter", system.parameters, OF_MATERIAL),
-        ("parameter", sorted({name for by in system.interpolated.values() for name in by}), OF_MATERIAL),
-        ("step", system.seconds, NAME),
-        ("formula", sorted({way for count in system.counts.effects.values() for way in count.ways}), NAME),
-    ):
-        yield from (f"a {kind} is called {shown(name)}" for name in names if not rule.fullmatch(name))
-
-    # Lights and materials that are there, each with a name of its own, and formulas of one line.
-    yield from (f"a light is called {name}, a word of palette files" for name in RESERVED if name in system.white)
-    yield from (f"no light is called {shown(i.light)}" for i in columns if i.light not in system.white)
-    told = (*system.errors, *system.noise, *system.glowing)
-    yield from (f"no light is called {shown(name)}" for name in told if name not in system.white)
-    yield from (f"{name} is a light and a material" for name in sorted(materials & set(system.white)))
-    yield from (f"an effect is called {shown(n)}" for n in system.counts.effects if plain(n) != n or len(n) > LONGEST)
-    for name, text in system.models.items():
-        if plain(text) != text or len(text) > LONGEST:
-            yield f"the model of {name} is {shown(text)}, not a line of formulas"
-
-
-def _wrong_columns(system: LinearSystem, tail: Tail) -> Iterator[str]:
-    """Columns of one name, in no order, or at nodes that there are not."""
-    # Columns once each.
-    for kind, several in (("interactions", system.interactions), ("cut-off interactions", tail.interactions)):
-        if len(set(several)) < len(several):
-            yield f"two {kind} are the same"
-    yield from (f"what was cut off has nodes, in {i}" for i in tail.interactions if i.nodes)
-    windows = {i.window for i in (*system.interactions, *tail.interactions) if i.window}
-    yield from (f"a window is {list(window)}: {window.fault}" for window in sorted(windows) if window.fault)
-
-    # Columns that were interpolated.
-    columns = set(system.interactions)
-    for interaction, names in system.interpolated.items():
-        if interaction not in columns:
-            yield f"{interaction} was interpolated, and is not there"
-        if not names or len(set(names)) < len(names) or not set(names).isdisjoint(system.parameters):
-            yield f"{interaction} was interpolated in {', '.join(names) or 'nothing'}"
-
-    # Nodes of parameters that are there.
-    for interaction in system.interactions:
-        if len({name for name, _ in interaction.nodes}) < len(interaction.nodes):
-            yield f"{interaction} names two nodes of one parameter"
-        for name, j in interaction.nodes:
-            if name not in system.parameters or not 0 <= j < system.parameters[name].count:
-                yield f"{interaction} names a node that is not there"
-
-
-def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
-    """Numbers that are not finite, or below 0 where light is counted."""
-    for what, numbers in (("white", system.white), ("seconds", system.seconds)):
-        yield from (f"the {what} of {n} is {v}: not a number from 0" for n, v in numbers.items() if not 0 <= v < np.inf)
-    for name, error in (*system.errors.items(), *system.noise.items()):
-        if error.count < 0 or not 0 <= error.rms <= error.largest < np.inf:
-            yield f"the error of {name} is {error}: not numbers from 0, the largest last"
-    for name, count in system.counts.effects.items():
-        if not 0 <= count.seconds < np.inf:
-            yield f"the seconds of {name} are {count.seconds}: not a number from 0"
-    if not np.all(np.isfinite(system.G.data)):
-        yield "the coefficients of G are not finite float64 numbers"
-    # A bound on what was cut off may be infinite: nothing is known then.
-    bounds = [np.array([c for _, c in shares]) for shares in (*tail.reflected, *tail.passed) if shares]
-    if not np.all(tail.bound.data >= 0) or any(np.isnan(c).any() or c.max() < 0 for c in bounds):
-        yield "a bound on what was cut off is below 0, or not a number"
 
 
 def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> None:

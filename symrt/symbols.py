@@ -3,7 +3,8 @@
     symbol = light | surface "." component        surface = [place ">"] material
 
 ``sun`` is a light.  ``sea.diffuse`` is a reflectance: a component of a material.  ``sea>ice.diffuse`` is ice's where
-the scene has sea, an *alternative* that counts only in a blend of the two.  No other module takes such texts apart.
+the scene has sea, an *alternative* that counts only in a blend of the two.  ``poster.fluorescence`` is no spectrum but
+a matrix, from the wavelengths that arrive to those that leave.  No other module takes such texts apart.
 """
 
 import re
@@ -23,6 +24,8 @@ REFLECTANCE = rf"{NAME.pattern}(?:>{NAME.pattern})?\.{NAME.pattern}"
 """A reflectance within a longer text."""
 WRITTEN = rf"{NAME.pattern}(?:(?:>{NAME.pattern})?\.{NAME.pattern})?"
 """A symbol within a longer text."""
+FLUORESCENCE = "fluorescence"
+"""The component of a material that gives light back at other wavelengths."""
 REMEMBERED = 1 << 14
 """Texts whose parts are remembered: the same few recur for every column of every system."""
 
@@ -155,8 +158,24 @@ class Symbol:
         """True if it is of a material that might be at its place, and is not."""
         return self.surface.alternative
 
+    @cached_property
+    def fluorescent(self) -> bool:
+        """True if it moves light from wavelength to wavelength: a matrix, which commutes with no other reflectance."""
+        return fluoresces(self.component)
+
     def __str__(self) -> str:
         return self.light or named(str(self.surface), self.component)
+
+
+def fluoresces(component: str) -> bool:
+    """Whether a component is fluorescent, as its name tells: ``fluorescence``, or one that ends in ``_fluorescence``.
+
+    Examples
+    --------
+    >>> fluoresces("fluorescence"), fluoresces("ink_fluorescence"), fluoresces("diffuse")
+    (True, True, False)
+    """
+    return component == FLUORESCENCE or component.endswith(f"_{FLUORESCENCE}")
 
 
 def named(surface: str, part: str) -> str:

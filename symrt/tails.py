@@ -28,9 +28,12 @@ class Tail:
         Of materials that lights shine on: sums that bound the share that each sends on, as reflectances and numbers.
     passed
         The same of materials that no light shines on.
+    fluorescent
+        The scene's fluorescent reflectances, which move light from band to band: what was cut off may have met them.
     """
 
     bound: sparse.csr_array
     interactions: tuple[Interaction, ...] = ()
     reflected: tuple[Shares, ...] = ()
     passed: tuple[Shares, ...] = ()
+    fluorescent: tuple[str, ...] = ()

@@ -21,6 +21,7 @@ COMPONENTS = {
     "phong": ["diffuse", "specular"],
     "phong_plain": ["diffuse", "specular"],
     "blinn_phong": ["diffuse", "specular"],
+    "fluorescent": [],  # its own test has the matrix
     "mirror": ["mirror"],
     "emitter": [],
     "glass": [],

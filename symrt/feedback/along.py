@@ -22,10 +22,11 @@ from symrt.feedback.bounds import Sizes
 from symrt.feedback.parameters import Ends, Parameter, mixing_of, moved_ends
 from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
+from symrt.spectra.fluorescence import times
 from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.spectra.powers import power_of
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 from symrt.system import LinearSystem
 
 Gamma = Float[np.ndarray, "_ band"]
@@ -205,17 +206,19 @@ def along_ends(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends])
 
 def _product(interaction: Interaction, palette: Palette, ends: Mapping[str, Ends]) -> Float[np.ndarray, "power band"]:
     """Γ of one interaction as Σ e_k (1 − t)^(D−k) t^k, with D the number of its symbols that move."""
-    product = hats([interaction], palette.bands)
+    nothing = np.zeros((1, len(palette.bands)))
+    product = np.ones((1, len(palette.bands)))
     for name in interaction.symbols:
         if name not in ends:
             # An alternative that the palette does not name is no part of the picture.
-            product = product * np.asarray(palette.spectra.get(name, 0.0))
+            product = times(product, palette[name]) if name in palette else product * 0.0
             continue
         first, last = ends[name]
-        product = np.vstack([product * first, np.zeros_like(first)]) + np.vstack([np.zeros_like(last), product * last])
+        product = np.vstack([times(product, first), nothing]) + np.vstack([nothing, times(product, last)])
+    # Glass and windows are next to the eye.
     for power in interaction.powers:
         product = product * power_of(palette, power)
-    return product
+    return product * hats([interaction], palette.bands)
 
 
 def _bernstein(product: Float[np.ndarray, "power band"], degree: int) -> Float[np.ndarray, "raised band"]:

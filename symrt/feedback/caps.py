@@ -1,7 +1,7 @@
 """The physical cap on a material's scale: no surface reflects more than it receives (step 5 of the paper).
 
-The components diffuse, specular and mirror of one material may together not pass 1 in any band; every other one, such
-as a reflectance at normal incidence, not by itself.
+The components diffuse, specular and mirror of one material, and all that are fluorescent, may together send on no more
+than arrives in any band; every other one, such as a reflectance at normal incidence, not by itself.
 """
 
 from collections import defaultdict
@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from symrt.arrays import Spectrum
-from symrt.spectra.palette import Palette
+from symrt.spectra.fluorescence import sent_on
+from symrt.spectra.palette import Palette, together
 from symrt.symbols import Symbol
 
-TOGETHER = frozenset({"diffuse", "specular", "mirror"})
 BELOW_ONE = 1 - 2.0**-50
 ABOVE_ONE = 1 + 2.0**-50
 """Three roundings at most: a sum that is 1 in decimals is not above it."""
@@ -45,8 +45,10 @@ def physical_cap(palette: Palette, moved: Collection[str]) -> Cap:
     """
     caps = []
     for name, symbols in grouped(palette).items():
-        rising = sum((palette[s] for s in symbols if s in moved), np.zeros(len(palette.bands)))
-        rest = sum((palette[s] for s in symbols if s not in moved), np.zeros(len(palette.bands)))
+        rising = sum((sent_on(palette[s], palette.bands) for s in symbols if s in moved), np.zeros(len(palette.bands)))
+        rest = sum(
+            (sent_on(palette[s], palette.bands) for s in symbols if s not in moved), np.zeros(len(palette.bands))
+        )
         if rising.any():
             # The factor at which moving and resting reflectances first sum to 1.
             room = np.maximum(1 - rest, 0)
@@ -76,9 +78,9 @@ def grouped(palette: Palette) -> Mapping[str, list[str]]:
     groups = defaultdict(list)
     for name in sorted(palette.reflectances):
         symbol = Symbol.of(name)
-        groups[str(symbol.surface) if symbol.component in TOGETHER else name].append(name)
+        groups[str(symbol.surface) if together(symbol) else name].append(name)
     return groups
 
 
 def _total(palette: Palette, symbols: list[str]) -> Spectrum:
-    return np.sum([palette[s] for s in symbols], axis=0)
+    return np.sum([sent_on(palette[s], palette.bands) for s in symbols], axis=0)

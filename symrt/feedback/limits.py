@@ -23,10 +23,11 @@ from symrt.gamut.intersections import InkIntersection, UnevenGamut
 from symrt.gamut.recipes import InkGamut
 from symrt.gamut.slabs import Gamut
 from symrt.spectra.bands import Bands
+from symrt.spectra.certificate import tail_bound
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
 from symrt.spectra.reference import Reference, as_asked
-from symrt.spectra.shading import check_names, shade, tail_bound
+from symrt.spectra.shading import check_names, shade
 from symrt.system import LinearSystem
 
 Pixels = Int[np.ndarray, " pixel"]

@@ -51,8 +51,8 @@ def reflected(q: Values) -> Values:
     return 1 / (1 + q + np.sqrt(q * (q + 2)))
 
 
-def mixed(first: Spectrum, last: Spectrum, t: Number, mixing: Mixing = "linear") -> Spectrum:
-    """The spectrum at t between two, with `first` at 0 and `last` at 1 to the last bit.
+def mixed(first: Values, last: Values, t: Number, mixing: Mixing = "linear") -> Values:
+    """The spectrum, or matrix, at t between two, with `first` at 0 and `last` at 1 to the last bit.
 
     Raises
     ------
@@ -79,9 +79,7 @@ def painted(first: Values, last: Values, t: Float[np.ndarray, " value"]) -> Floa
     return np.where(moves, reflected(q), np.where(share >= 1, last, first))
 
 
-def slopes(
-    first: Spectrum, last: Spectrum, t: Number, mixing: Mixing = "linear"
-) -> tuple[Spectrum, Spectrum, Spectrum]:
+def slopes(first: Values, last: Values, t: Number, mixing: Mixing = "linear") -> tuple[Values, Values, Values]:
     """Derivatives of the mixture: by t, and by a relative change of `first` and of `last`.
 
     Examples

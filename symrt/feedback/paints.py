@@ -6,7 +6,7 @@ piece is inside if both images are, outside if both are beyond one bound, and is
 affine in one mixture, and each slab looks at one band, the bound's K/S gives the root ``t = (q* − q_a) / (q_b − q_a)``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,9 +22,9 @@ from symrt.feedback.polynomials import HALVINGS, joined, placed
 from symrt.gamut.interface import ROUNDING
 from symrt.gamut.looking import Spans
 from symrt.spectra.bands import Number
-from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
-from symrt.spectra.powers import power_of
+from symrt.spectra.products import gamma
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 
 PIXELS_AT_ONCE = 2048
@@ -133,18 +133,14 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
 
     # Part the spectra of each interaction into fixed ones, multiplied, and mixtures, counted.
     moving = [name for name, (first, last) in ends.items() if (first != last).any()]
-    names = [i.symbols for i in system.interactions]
     bands = len(palette.bands)
-    known = {n: palette[n] if n in palette else np.zeros(bands) for row in names for n in row}
-    within = hats(system.interactions, palette.bands)
-    fixed = [
-        np.prod([hat, *(known[n] for n in row if n not in moving), *(power_of(palette, p) for p in i.powers)], axis=0)
-        for hat, row, i in zip(within, names, system.interactions, strict=True)
-    ]
+    _check_bands_apart(system, moving)
+    still = [replace(i, met=tuple(name for name in i.met if name not in moving)) for i in system.interactions]
+    fixed = gamma(still, palette)
     blocks = system.blocks(*([name] for name in moving))
     return Paints(
         part=replace(system, tail=None),
-        fixed=np.array(fixed).reshape(-1, bands),
+        fixed=fixed.reshape(-1, bands),
         powers=blocks.degrees[blocks.of],
         first=np.array([ends[name][0] for name in moving]).reshape(-1, bands),
         last=np.array([ends[name][1] for name in moving]).reshape(-1, bands),
@@ -152,6 +148,18 @@ def paints(system: LinearSystem, palette: Palette, ends: Mapping[str, Ends]) -> 
         degrees=line.degrees,
         terms=line.terms + ROUNDED * int(line.degrees.max(initial=0)),
     )
+
+
+def _check_bands_apart(system: LinearSystem, moving: Collection[str]) -> None:
+    """Refuse interactions whose light moves between bands after it met a mixture, which is mixed band by band."""
+    for interaction in system.interactions:
+        met = [name in moving for name in interaction.met]
+        first = met.index(True) if any(met) else len(met)
+        if any(Symbol.of(name).fluorescent for name in interaction.met[first:]):
+            raise ValueError(
+                f"{interaction}: Kubelka and Munk's theory mixes bands one by one, and light moves between them behind "
+                f"{interaction.met[first]}: mix 'linear'"
+            )
 
 
 def painted_intervals(line: Paints, bound: Bound, within: tuple[Number, Number]) -> Spans:

@@ -14,11 +14,12 @@ from symrt.arrays import Spectrum
 from symrt.errors import require
 from symrt.feedback.mixing import Mixing, check_paints, mixed
 from symrt.spectra.bands import Number
-from symrt.spectra.palette import Palette, did_you_mean
+from symrt.spectra.fluorescence import Matrix, sent_on
+from symrt.spectra.palette import Palette, did_you_mean, overdrawn
 from symrt.symbols import Surface, Symbol, named
 from symrt.system import LinearSystem
 
-Ends = tuple[Spectrum, Spectrum]
+Ends = tuple[Spectrum, Spectrum] | tuple[Matrix, Matrix]
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,14 @@ def moved(system: LinearSystem, palette: Palette, parameter: Parameter, value: N
     return with_spectra(palette, spectra)
 
 
-def with_spectra(palette: Palette, spectra: Mapping[str, Spectrum]) -> Palette:
+def with_spectra(palette: Palette, spectra: Mapping[str, Spectrum | Matrix]) -> Palette:
     """A palette with other spectra, allowed above 1."""
-    above = any(Symbol.of(name).reflectance and bool(values.max() > 1) for name, values in spectra.items())
+    given = {name: sent_on(values, palette.bands) for name, values in spectra.items() if Symbol.of(name).reflectance}
+    above = any(bool(values.max() > 1) for values in given.values())
+    if palette.fluorescent and not above:
+        # Fluorescent paints share the light with the other components of their material.
+        factors = {name: palette[name] for name in palette} | dict(spectra)
+        above = any(True for _ in overdrawn(factors, palette.bands))
     return replace(palette, spectra={**palette.spectra, **spectra}, unphysical=palette.unphysical or above)
 
 
@@ -89,7 +95,7 @@ def moved_ends(system: LinearSystem, palette: Palette, parameter: Parameter) -> 
     if isinstance(parameter, Blend):
         return _blend_ends(system, palette, parameter)
     names = system.lights if isinstance(parameter, Exposure) else scaled_symbols(system, palette, parameter)
-    return {name: (np.zeros(len(palette.bands)), palette[name]) for name in names if name in palette}
+    return {name: (np.zeros_like(palette[name]), palette[name]) for name in names if name in palette}
 
 
 def mixing_of(parameter: Parameter) -> Mixing:
@@ -134,13 +140,15 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
 
     # With columns of its own the other material comes from nothing, and the material goes to nothing.
     own, other = (_components(system, palette, name) for name in (blend.material, blend.other))
-    nothing = np.zeros(len(palette.bands))
     added = Surface(blend.other, instead_of=blend.material)
     paints = blend.mixing == "kubelka-munk"
     traced = str(added) in system.models or any(Symbol.of(name).surface == added for name in system.reflectances)
     if traced and not paints:
-        return {named(blend.material, c): (palette[named(blend.material, c)], nothing) for c in own} | {
-            named(str(added), c): (nothing, palette[named(blend.other, c)]) for c in other
+        spectra = [
+            {c: palette[named(name, c)] for c in part} for name, part in ((blend.material, own), (blend.other, other))
+        ]
+        return {named(blend.material, c): (spectrum, np.zeros_like(spectrum)) for c, spectrum in spectra[0].items()} | {
+            named(str(added), c): (np.zeros_like(spectrum), spectrum) for c, spectrum in spectra[1].items()
         }
 
     # On the same columns both must have the same components and the same model.
@@ -160,6 +168,11 @@ def _blend_ends(system: LinearSystem, palette: Palette, blend: Blend) -> dict[st
     ends = {named(blend.material, c): (palette[named(blend.material, c)], palette[named(blend.other, c)]) for c in own}
     if paints:
         for name, (first, last) in ends.items():
+            if Symbol.of(name).fluorescent:
+                raise ValueError(
+                    f"{name}: Kubelka and Munk's theory mixes bands one by one, and it moves light between "
+                    "them: mix 'linear'"
+                )
             check_paints(first, last, name)
     return ends
 

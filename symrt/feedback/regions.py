@@ -12,7 +12,7 @@ from scipy import sparse
 
 from symrt.errors import require
 from symrt.feedback.weighing import Mask, check_mask
-from symrt.interactions import Interaction
+from symrt.interactions import Interaction, normal_order
 from symrt.spectra.palette import Palette, did_you_mean
 from symrt.symbols import NAME, Surface, Symbol
 from symrt.system import LinearSystem
@@ -119,7 +119,13 @@ def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], 
         for of_scene in (tail.reflected, tail.passed)
     )
     parted = _parted(tail.bound, tail.interactions, material, inside, name)
-    return Tail(*parted, tail.reflected + reflected, tail.passed + passed)
+    fluorescent = (_called(symbol, material, name) for symbol in tail.fluorescent)
+    return Tail(
+        *parted,
+        tail.reflected + reflected,
+        tail.passed + passed,
+        tuple(sorted({*tail.fluorescent, *fluorescent})),
+    )
 
 
 def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
@@ -128,7 +134,7 @@ def _renamed(interaction: Interaction, material: str, name: str) -> Interaction:
 
 
 def _renamed_met(met: tuple[str, ...], material: str, name: str) -> tuple[str, ...]:
-    return tuple(sorted(_called(symbol, material, name) for symbol in met))
+    return normal_order(_called(symbol, material, name) for symbol in met)
 
 
 def _called(text: str, material: str, name: str) -> str:

@@ -13,8 +13,9 @@ parameters to ask about; put into words is the move of the limit when the range 
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -30,13 +31,16 @@ from symrt.feedback.parameters import (
     moved,
     moved_ends,
 )
+from symrt.interactions import Interaction
 from symrt.spectra.bands import Number
+from symrt.spectra.fluorescence import Matrix, times
 from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.spectra.powers import power_of
 from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 
+Gradient = Mapping[str, Spectrum | Matrix]
 SHOWN = 3
 """Parameters that are asked about again, those whose derivatives are largest."""
 LESS = 0.99
@@ -165,11 +169,15 @@ def _called(parameter: Scale | Exposure) -> str:
     return parameter.name if isinstance(parameter, Scale) else "exposure"
 
 
-def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> dict[str, Spectrum]:
+def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum) -> Gradient:
     """∂F/∂X of every spectrum X that the pixel depends on."""
-    found: dict[str, Spectrum] = defaultdict(lambda: np.zeros(len(slab)))
+    found: dict[str, Any] = defaultdict(float)
     for interaction, g in system.terms(pixel):
         if not all(name in palette for name in interaction.names):  # an alternative that is no part of the picture
+            continue
+        if any(palette[name].ndim == 2 for name in interaction.met):
+            for name, part in _in_order(interaction, palette, slab * g):
+                found[name] = found[name] + part
             continue
         # A transmittance's power of d is as its product with itself, d times.
         factors = [*((name, 1.0) for name in interaction.symbols), *interaction.powers]
@@ -185,6 +193,29 @@ def _gradient(system: LinearSystem, palette: Palette, pixel: int, slab: Spectrum
     return dict(found)
 
 
+def _in_order(interaction: Interaction, palette: Palette, slab: Spectrum) -> Iterator[tuple[str, Spectrum | Matrix]]:
+    """The gradient of a product with matrices by each factor: light in front of it, times what weighs what leaves it.
+
+    ``F = x₁ ⋯ x_n · slab``, with ∂F/∂x = front · behind for a spectrum and ∂F/∂M_ij = front_i behind_j for a matrix.
+    """
+    # Glass and windows are next to the eye.
+    left = [power_of(palette, power) for power in interaction.powers]
+    names = interaction.symbols
+    factors: list[Spectrum | Matrix] = [palette[name] for name in names]
+    front = [np.ones((1, len(slab)))]
+    for factor in factors:
+        front.append(times(front[-1], factor))
+    behind = np.prod([slab, *hats([interaction], palette.bands), *left], axis=0)
+    for k, (name, length) in enumerate(interaction.powers):
+        some = np.where(palette[name] > 0, palette[name], 1.0)
+        steep = np.where(palette[name] > 0, length * some ** (length - 1), 0.0)
+        rest = [slab, *hats([interaction], palette.bands), *left[:k], *left[k + 1 :]]
+        yield name, front[-1][0] * np.prod([steep, *rest], axis=0)
+    for name, light, factor in zip(reversed(names), reversed(front[:-1]), reversed(factors), strict=True):
+        yield name, light[0] * behind if factor.ndim == 1 else np.outer(light[0], behind)
+        behind = factor * behind if factor.ndim == 1 else factor @ behind
+
+
 def _others(system: LinearSystem, palette: Palette, own: frozenset[str]) -> dict[Scale | Exposure, frozenset[str]]:
     """The lights, the materials and the exposure with the spectra that each scales, but none that scales the same."""
     lights = [name for name in system.lights if name in palette]
@@ -197,5 +228,5 @@ def _others(system: LinearSystem, palette: Palette, own: frozenset[str]) -> dict
     return {other: symbols for other, symbols in groups.items() if symbols & used != own & used or not own}
 
 
-def _sum(gradient: Mapping[str, Spectrum], change: Mapping[str, Spectrum]) -> float:
-    return float(sum(gradient[name] @ spectrum for name, spectrum in change.items() if name in gradient))
+def _sum(gradient: Gradient, change: Gradient) -> float:
+    return float(sum(gradient[n].ravel() @ changed.ravel() for n, changed in change.items() if n in gradient))

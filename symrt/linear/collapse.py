@@ -17,7 +17,7 @@ from symrt.interactions import Interaction
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import Glowing, Index, Lighted, Lost, Pairs, ends
-from symrt.linear.products import Product, commuting, in_order
+from symrt.linear.products import Product, around_fluorescence, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.spreading import spread
 from symrt.reflection.models import LIT
@@ -54,7 +54,7 @@ def collapse(
     ordered
         True to keep the order in which light met the reflectances, from the light to the eye: ``sun * sea.diffuse *
         chrome.mirror`` is then the sea seen in the chrome.  Otherwise reflectances are sorted, and products that
-        differ in order only share a column.
+        differ in order only share a column; only where a fluorescent one stands among them the order always counts.
 
     Examples
     --------
@@ -97,8 +97,8 @@ class Gathering:
 
 def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSystem:
     """Evaluate a compiled program on the numbers of a tree."""
-    product, clear = in_order if ordered else commuting, "absorption" in tree.plan.left_out
-    found = Gathering(program, tree.lights, product, clear, tree.windows)
+    product = in_order if ordered else around_fluorescence if program.limits.fluorescent else commuting
+    found = Gathering(program, tree.lights, product, "absorption" in tree.plan.left_out, tree.windows)
     for end in ends(program, tree, found.product):
         match end:
             case Lighted() if end.bounded:
@@ -132,7 +132,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         models=program.signatures,
         parameters=program.nodes,
         subtracting=limits.subtracting,
-        tail=Tail(bound, unseen, reflected, passed),
+        tail=Tail(bound, unseen, reflected, passed, limits.fluorescent),
         errors=tree.errors,
         counts=tree.counts,
         noise=drawn,
@@ -163,11 +163,27 @@ def _bound(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value
 
 def _within(found: Gathering, columns: Sequence[Interaction], pairs: Pairs) -> tuple[Sequence[Interaction], Index]:
     """The columns of all products within all windows of wavelengths, and which of them each pair is of."""
+    if found.program.limits.fluorescent:
+        _check_order(found, pairs)
     if pairs.window is None:
         return columns, pairs.product
     split = [(column, *(replace(column, window=window) for window in found.windows)) for column in columns]
     which = pairs.product * (1 + len(found.windows)) + 1 + pairs.window
     return [column for each in split for column in each], which
+
+
+def _check_order(found: Gathering, pairs: Pairs) -> None:
+    """Refuse paths by way of a fluorescent surface and of coloured or dispersive glass, whose order is not kept."""
+    moving = [name for name in found.program.limits.fluorescent if any(name in product for product in pairs.products)]
+    through = np.array([not set(moving).isdisjoint(product) for product in pairs.products], dtype=bool)
+    bent = [] if pairs.window is None else [pairs.window >= 0]
+    for glass in ([length > 0 for length in pairs.inside.values()] if not found.clear else []) + bent:
+        if moving and (glass & through[pairs.product]).any():
+            raise ValueError(
+                f"{moving[0]} sends light on at other wavelengths, and glass takes some of them before or behind: "
+                "columns do not keep which; leave one of the two out, with force={'absorption': False}, "
+                "{'dispersion': False} or {'interreflection': False}"
+            )
 
 
 def _in_glass(pairs: Pairs) -> Pairs:

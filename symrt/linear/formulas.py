@@ -11,10 +11,13 @@ import sympy
 from jaxtyping import Float
 
 from symrt.errors import shown
-from symrt.linear.printing import evaluated, python_code, tex, text
+from symrt.linear.coding import python_code
+from symrt.linear.evaluating import evaluated
+from symrt.linear.printing import tex, text
 from symrt.linear.terms import number, tree_expression
-from symrt.reflection.symbols import ONE_MINUS, Factor, Hat, Light, Parameter, Reflectance
+from symrt.reflection.symbols import ONE_MINUS, Factor, Hat, Light, Ordered, Parameter, Reflectance
 from symrt.scene.records import Scene
+from symrt.symbols import OF_MATERIAL, Symbol
 from symrt.system import LinearSystem
 from symrt.tracing.raytree import RayTree
 from symrt.tracing.tracer import trace
@@ -22,7 +25,7 @@ from symrt.windows import SpectralWindow
 
 MANY = 24
 """Most letters of a pixel's film samples that are shown one by one; of more the ranges are."""
-Spectra = Mapping[str, float | Float[np.ndarray, " band"]]
+Spectra = Mapping[str, float | Float[np.ndarray, " band"] | Float[np.ndarray, "band band"]]
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class Formula:
         """A Python function of the free spectra, exact to the last bit of every number in it.
 
         It takes numbers, one band at a time; up to 200 terms also arrays.  Where glass bends wavelengths apart it takes
-        the band's wavelength, too: ``nm``, a number.
+        the band's wavelength, too: ``nm``, a number.  With a fluorescent reflectance, a matrix, it takes arrays alone.
 
         Examples
         --------
@@ -90,6 +93,8 @@ class Formula:
         self, spectra: Spectra, nm: float | int | Float[np.ndarray, " band"] | None = None
     ) -> Float[np.ndarray, " band"] | float:
         """The pixel's value for given spectra, by name; bands broadcast.
+
+        A fluorescent reflectance is the matrix that a palette has for it, which takes all bands of the others.
 
         Parameters
         ----------
@@ -137,7 +142,15 @@ class Formula:
         if len(self.samples) > MANY:
             return self._averaged()
         letters = ", ".join(f"{name} = {value:.4g}" for name, value in self.letters.items())
-        return self.text() + (f"\n  where {letters}" if letters else "")
+        return self.text() + (f"\n  where {letters}" if letters else "") + self._order()
+
+    def _order(self) -> str:
+        """A sentence about the fluorescent factors; empty if there are none."""
+        names = [name for name in self.symbols if OF_MATERIAL.fullmatch(name) and Symbol.of(name).fluorescent]
+        if not names:
+            return ""
+        them = f"{', '.join(names)} {'give' if len(names) > 1 else 'gives'}"
+        return f"\n  {them} light back at other wavelengths: factors stand in the order in which light meets them"
 
     def _averaged(self) -> str:
         """Terms that are alike but for their samples as one, and the range of each letter over the samples."""
@@ -192,12 +205,15 @@ def _(source: Scene, x: Any, y: Any) -> Formula:
 @formula.register
 def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     pixel = _checked_pixel(x, y, source.width, source.height)
+    found = source.terms(pixel)
+    matrices = any(Symbol.of(name).fluorescent for interaction, _ in found for name in interaction.met)
+    kind = Ordered if matrices else Reflectance
     terms = []
-    for interaction, g in source.terms(pixel):
+    for interaction, g in found:
         nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
-        powers = [Reflectance(name) ** sympy.Float(length) for name, length in interaction.powers]
+        powers = [kind(name) ** sympy.Float(length) for name, length in interaction.powers]
         window = [Hat(str(interaction.window))] if interaction.window else []
-        met = map(Reflectance, interaction.met)
+        met = map(kind, interaction.met)
         terms.append(sympy.Mul(number(g), Light(interaction.light), *met, *powers, *window, *nodes))
     return Formula(sympy.Add(*terms))
 

@@ -7,7 +7,8 @@ from symrt.nodes import Nodes
 from symrt.reflection.bounds import largest, may_subtract
 from symrt.reflection.corners import corners
 from symrt.reflection.models import LIT
-from symrt.symbols import Surface, named
+from symrt.reflection.polynomials import monomials
+from symrt.symbols import Surface, fluoresces, named
 from symrt.tails import Shares
 from symrt.tracing.raytree import MaterialRecord
 
@@ -28,12 +29,15 @@ class Limits:
         For each material of the scene, sums that bound the share that it sends on of what further rays bring.
     lit
         The materials that lights shine on, or that shine themselves.
+    fluorescent
+        The reflectances that move light from band to band.
     """
 
     brightest: Mapping[str, float]
     subtracting: tuple[str, ...]
     sent: Mapping[str, tuple[Shares, ...]]
     lit: frozenset[str]
+    fluorescent: tuple[str, ...] = ()
 
 
 def limits(materials: Materials, nodes: Mapping[str, Nodes], gathered: Collection[str] = ()) -> Limits:
@@ -58,6 +62,7 @@ def limits(materials: Materials, nodes: Mapping[str, Nodes], gathered: Collectio
         ),
         sent=_sent(materials, ranges, gathered),
         lit=frozenset(Surface.of(n).place for n, m in materials.items() if any(m.model.formulas[f] != 0 for f in LIT)),
+        fluorescent=tuple(sorted(named(n, c) for n, m in materials.items() for c in m.model.fluorescent)),
     )
 
 
@@ -76,8 +81,13 @@ def _brightest(field: str, materials: Materials, ranges: Mapping[str, Mapping[st
     """The most that a point sends on, its alternatives added: sea and sea>ice are evaluated at the same points."""
     bounds: dict[str, float] = {}
     for name, record in materials.items():
-        place = Surface.of(name).place
-        bounds[place] = bounds.get(place, 0.0) + largest(record.model.formulas[field], ranges[name])
+        formula, place = record.model.formulas[field], Surface.of(name).place
+        bound = largest(formula, ranges[name])
+        if record.model.fluorescent:
+            # Matrices are bounded apart from the spectra beside them: each by the number before it.
+            shares = (largest(c, ranges[name]) for met, c in monomials(formula).items() if any(map(fluoresces, met)))
+            bound = max(bound, *shares, 0.0)
+        bounds[place] = bounds.get(place, 0.0) + bound
     return max(bounds.values(), default=0.0)
 
 

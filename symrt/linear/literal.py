@@ -9,10 +9,11 @@ from collections.abc import Iterable, Mapping
 import sympy
 from scipy import sparse
 
-from symrt.interactions import Interaction
+from symrt.interactions import Interaction, normal_order
 from symrt.linear.formulas import Formula
 from symrt.linear.functions import function_of
-from symrt.reflection.symbols import Factor, Hat, Light, Reflectance, lobe_value
+from symrt.reflection.symbols import Factor, Hat, Light, Ordered, Reflectance, lobe_value
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 from symrt.windows import EVERYWHERE, SpectralWindow
 
@@ -95,6 +96,8 @@ def _interaction(product: sympy.Expr) -> Interaction:
         if isinstance(base, Reflectance) and power.is_Float and power > 0:
             powers.append((base.name, float(power)))
             continue
+        if powers and isinstance(base, Ordered) and Symbol.of(base.name).fluorescent:
+            raise ValueError(f"{product}: columns keep powers of glass next to the eye, and {base} is nearer")
         if not isinstance(base, Light | Reflectance | Hat) or not (power.is_Integer and power > 0):
             raise ValueError(f"{product} is not a product of powers of lights and reflectances; expand it first")
         (lights if isinstance(base, Light) else windows if isinstance(base, Hat) else met).extend(
@@ -105,4 +108,4 @@ def _interaction(product: sympy.Expr) -> Interaction:
     if len(windows) > 1:
         raise ValueError(f"{product} has {len(windows)} windows of wavelengths: light is in one, or in none")
     window = SpectralWindow.of(windows[0]) if windows else EVERYWHERE
-    return Interaction(lights[0], tuple(sorted(met)), window=window, powers=tuple(sorted(powers)))
+    return Interaction(lights[0], normal_order(met), window=window, powers=tuple(sorted(powers)))

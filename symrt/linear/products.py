@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from symrt.interactions import normal_order
 from symrt.reflection.polynomials import Monomial
 
 Product = Callable[[Monomial, Monomial], Monomial]
@@ -11,6 +12,11 @@ Product = Callable[[Monomial, Monomial], Monomial]
 def commuting(path: Monomial, met: Monomial) -> Monomial:
     """The product of reflectances that commute, sorted so that their order does not matter."""
     return tuple(sorted(path + met))
+
+
+def around_fluorescence(path: Monomial, met: Monomial) -> Monomial:
+    """The product where some reflectance is fluorescent: the others commute, but none with it."""
+    return normal_order(met + path)
 
 
 def in_order(path: Monomial, met: Monomial) -> Monomial:

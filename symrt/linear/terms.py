@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy
 
-from symrt.reflection.symbols import Factor, Hat, Light, Parameter, Reflectance
+from symrt.reflection.symbols import Factor, Hat, Light, Ordered, Parameter, Reflectance
 from symrt.symbols import Surface, named
 from symrt.tracing.raytree import Branch, Emitted, Level, Lit, Points, RayTree
 
@@ -122,7 +122,7 @@ def _radiance(tree: RayTree, hit: int, place: Place, letters: Letters) -> sympy.
 
     # The glass that the ray to the hit went through.
     left = [
-        Reflectance(name) ** letters.letter("d", length[hit], str(place))
+        _kind(tree)(name) ** letters.letter("d", length[hit], str(place))
         for name, length in level.inside.items()
         if length[hit] > 0 and "absorption" in tree.plan
     ]
@@ -153,7 +153,8 @@ def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, l
             weight = float(branch.weight[ray])
             share = letters.letter("weight", weight, "", str(beyond)) if weight != 1 else 1
             share *= _window(tree, branch, ray, tree.levels[place.depth])
-            total.append(share * formula.xreplace(bound | view | own) * _radiance(tree, below, beyond, letters))
+            # Light meets what lies further from the eye first.
+            total.append(share * _radiance(tree, below, beyond, letters) * formula.xreplace(bound | view | own))
     return sympy.Add(*total)
 
 
@@ -223,9 +224,14 @@ def _numbered(one: Lit | Emitted, among: Sequence[Lit] | Sequence[Emitted]) -> s
     return f"l{like.index(True) + 1}" if len(like) > 1 else ""
 
 
+def _kind(tree: RayTree) -> type[Reflectance]:
+    """The kind of all reflectances: with a fluorescent material in the scene, none may change places with its own."""
+    return Ordered if any(record.model.fluorescent for record in tree.materials.values()) else Reflectance
+
+
 def _bindings(tree: RayTree, points: Points) -> dict[sympy.Expr, sympy.Expr]:
     record = tree.materials[points.material]
-    components = {Reflectance(c): Reflectance(named(points.material, c)) for c in record.model.components}
+    components = {Reflectance(c): _kind(tree)(named(points.material, c)) for c in record.model.components}
     return components | {Parameter(name): number(value) for name, value in record.parameters.items()}
 
 

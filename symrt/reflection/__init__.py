@@ -4,6 +4,7 @@ from symrt.reflection.metals import f82, schlick
 from symrt.reflection.models import MODELS, Model, stack
 from symrt.reflection.symbols import (
     diffuse,
+    fluorescence,
     h_dot_v,
     l_dot_v,
     lobe,
@@ -22,6 +23,7 @@ __all__ = [
     "Model",
     "diffuse",
     "f82",
+    "fluorescence",
     "h_dot_v",
     "l_dot_v",
     "lobe",

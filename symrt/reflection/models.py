@@ -35,6 +35,7 @@ from symrt.reflection.symbols import (
     Parameter,
     Reflectance,
     diffuse,
+    fluorescence,
     fresnel,
     h_dot_v,
     lobe,
@@ -48,12 +49,13 @@ from symrt.reflection.symbols import (
     specular,
     transmission,
 )
+from symrt.symbols import FLUORESCENCE, fluoresces
 
 ZERO = sympy.Integer(0)
 
 DOUBLE = 53
 """Binary digits of a float."""
-WORDS = {*GEOMETRY, *FRESNEL, "diffuse", "specular", "mirror"}
+WORDS = {*GEOMETRY, *FRESNEL, "diffuse", "specular", "mirror", FLUORESCENCE}
 """Names of the symbols that formulas are written in, as they are imported."""
 INDEX = "index"
 """The parameter that tells the refractive index; rays have been bent by it, so that it is no symbol of a formula."""
@@ -119,6 +121,11 @@ class Model:
     def components(self) -> frozenset[str]:
         """Names of the reflectances that a material with this model has."""
         return self._names(Reflectance)
+
+    @cached_property
+    def fluorescent(self) -> frozenset[str]:
+        """Names of those of its reflectances that move light from wavelength to wavelength."""
+        return frozenset(filter(fluoresces, self.components))
 
     @cached_property
     def parameters(self) -> frozenset[str]:
@@ -243,12 +250,22 @@ def _check(field: str, formula: sympy.Expr) -> None:
             raise ValueError(f"{field} = {formula}: {symbol} needs a light; only n_dot_v is known here")
 
     # The formula must be a polynomial in its reflectances; a power of any length is known of a single one only.
-    monomials(formula)
+    _check_order(field, formula)
     if field == INSIDE and formula != 0 and not isinstance(formula, Reflectance):
         raise ValueError(
             f"{field} = {formula}: it is one reflectance, the transmittance per unit length, such as "
             "reflectance('transmittance')"
         )
+
+
+def _check_order(field: str, formula: sympy.Expr) -> None:
+    """Refuse products with a matrix: SymPy sorts their factors, and light meets them in one order."""
+    for met in monomials(formula):
+        if len(met) > 1 and (matrices := list(filter(fluoresces, met))):
+            raise ValueError(
+                f"{field} = {formula}: {'*'.join(met)} is a product with {matrices[0]}, a matrix, and a formula does "
+                "not tell its order; give the layers surfaces of their own, or add the components up"
+            )
 
 
 _exponent = parameter("exponent")
@@ -266,6 +283,8 @@ MODELS = {
         direct=diffuse * n_dot_l / pi + specular * (_exponent + 8) / (8 * pi) * lobe(n_dot_h, _exponent) * n_dot_l,
         ambient=diffuse,
     ),
+    # Paint that gives light back at other wavelengths, stacked on one that reflects: ["lambert", "fluorescent"].
+    "fluorescent": Model(direct=fluorescence * n_dot_l / pi, ambient=fluorescence),
     "mirror": Model(reflected=mirror),
     # A surface that glows, the same in all directions; to stack on one that reflects.
     "emitter": Model(emitted=1),

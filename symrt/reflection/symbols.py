@@ -17,7 +17,7 @@ import sympy
 from jaxtyping import Float
 
 from symrt.errors import plain
-from symrt.symbols import halves
+from symrt.symbols import FLUORESCENCE, halves
 
 ESCAPES = {"\\": r"\backslash ", "~": r"\sim ", "^": r"\hat{}", "<": r"{<}", **{c: f"\\{c}" for c in "_{}$%&#"}}
 """Characters that LaTeX obeys, each with the LaTeX that shows it."""
@@ -80,6 +80,14 @@ class Reflectance(Kind):
     """The spectrum of a material's component: ``diffuse`` in a model, ``sea.diffuse`` in a material."""
 
     rank = "2 reflectance"
+
+
+class Ordered(Reflectance):
+    """A reflectance in a pixel with fluorescent ones: products keep the order in which light meets their factors."""
+
+    def __new__(cls, name: str) -> "Ordered":
+        """Make a symbol that commutes with numbers and lights, and with no other of its kind."""
+        return sympy.Symbol.__new__(cls, name, commutative=False)
 
 
 class Hat(Kind):
@@ -222,6 +230,7 @@ def split_factor(name: str) -> tuple[str, str]:
 
 
 diffuse = Reflectance("diffuse")
+fluorescence = Reflectance(FLUORESCENCE)
 specular = Reflectance("specular")
 mirror = Reflectance("mirror")
 n_dot_l, n_dot_v, n_dot_h, h_dot_v, r_dot_v, l_dot_v = map(Factor, GEOMETRY)

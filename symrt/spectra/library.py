@@ -23,7 +23,7 @@ from jaxtyping import Float
 
 from symrt.arrays import Spectrum
 from symrt.errors import require, shown
-from symrt.spectra.bands import Bands, resample, wavelengths
+from symrt.spectra.bands import Bands, Number, check_wavelengths, resample, wavelengths
 from symrt.spectra.metals import metal_names, metal_reflectance, metals
 
 OBSERVER = "CIE 1931 2 Degree Standard Observer"
@@ -137,6 +137,30 @@ def from_rgb(rgb: Float[np.ndarray, "3"], bands: Bands, *, reflectance: bool) ->
     values = np.minimum(basis.values @ rgb / basis.values.sum(axis=1), rgb.max())
     values = resample(np.asarray(basis.wavelengths, float), values, bands, "rgb")
     return values if reflectance else values * spectrum("illuminant/D65", bands)
+
+
+def bell(peak: Number, width: Number, bands: Bands) -> Spectrum:
+    """A bell over wavelengths, 1 at its peak and half of that half its `width` beside it.
+
+    A lamp of one colour, or a dye's excitation or emission, is about of this form.
+
+    Raises
+    ------
+    ValueError
+        If the bands are no wavelengths, or the width is not above 0.
+
+    Examples
+    --------
+    >>> from symrt.spectra.bands import wavelengths
+    >>> bell(500, 40, wavelengths(460, 540, 20))
+    array([0.0625, 0.5   , 1.    , 0.5   , 0.0625])
+    """
+    if bands.kind != "wavelength":
+        raise ValueError(f"a peak at {peak:g} nm has no red, green and blue: give three numbers, or bands in nm")
+    check_wavelengths(np.array([float(peak)]), "the peak")
+    if not (np.isfinite(width) and width > 0):
+        raise ValueError(f"width = {width}: the whole width at half the height, in nm, is above 0")
+    return np.exp2(-(((np.array(bands.centres) - peak) / (width / 2)) ** 2))
 
 
 def _key(name: str) -> str:

@@ -2,27 +2,30 @@
 
 A symbol with a dot, ``sea.diffuse``, is a reflectance and lies in [0, 1]; one without, ``sun``, is a light and is not
 negative.  ``sea>ice.diffuse`` is ice's reflectance at a point of sea, which a blend of the two materials gives weight.
+``paint.fluorescence`` is a matrix, made of the spectra of its dyes.
 """
 
 import difflib
 import html
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool
 
 from symrt.arrays import Spectrum
 from symrt.errors import require, shown
 from symrt.spectra.bands import Bands, resample
+from symrt.spectra.fluorescence import WHOLE, Donaldson, FluorescenceLike, Matrix, SpectrumLike, sent_on
 from symrt.spectra.library import spectrum as library_spectrum
-from symrt.symbols import RESERVED, Symbol
+from symrt.symbols import RESERVED, Symbol, fluoresces
 
-SpectrumLike = (
-    Float[np.ndarray, " _"] | Int[np.ndarray, " _"] | Sequence[float | int | np.number] | float | int | np.number | str
-)
-"""An array or list with one value a band, a number for all bands, or a name such as ``macbeth/dark skin``."""
+Given = SpectrumLike | FluorescenceLike | Donaldson
+"""What a palette takes for a symbol: a spectrum, or for a fluorescent one its dyes or its matrix."""
+TOGETHER = frozenset({"diffuse", "specular", "mirror"})
+"""Components of a material that share the light among them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +37,19 @@ class Palette:
     bands
         Wavelengths, or RGB.
     spectra
-        For each symbol an array with one value a band, a number for all bands, or a name of the library.
-        Afterwards every one of them is a read-only float64 array.
+        For each symbol an array with one value a band, a number for all bands, or a name of the library; for a
+        fluorescent one a `Fluorescence`, several, or a matrix from the bands that light arrives in to those it leaves
+        in.  Afterwards every one of them is a read-only float64 array, and a fluorescent one a `Donaldson`, whose
+        matrix ``palette[name]`` is.
     unphysical
-        Permits reflectances above 1; it is carried along by `replace`, `add` and `on`.
+        Permits reflectances above 1, and paints that give back more light than they get, or light of more energy; it is
+        carried along by `replace`, `add` and `on`.
     white
         Radiance of the white that the spectra are meant to be seen against, as `Fit` found them: it stays when a light
         is replaced, so that a dimmer lamp makes a dimmer picture.  None: the key light's, whatever it is; with
         ``dataclasses.replace(palette, white=None)`` a palette lets go of its own.
+    fluorescent
+        Names of the symbols that are matrices.
 
     Examples
     --------
@@ -52,9 +60,10 @@ class Palette:
     """
 
     bands: Bands
-    spectra: Mapping[str, SpectrumLike]
+    spectra: Mapping[str, Given]
     unphysical: bool = False
     white: SpectrumLike | None = None
+    fluorescent: tuple[str, ...] = field(init=False, default=())
 
     def __post_init__(self) -> None:
         # Arguments of the right kinds.
@@ -66,12 +75,19 @@ class Palette:
             )
 
         # Every spectrum as an array, and every fault.
-        arrays, faults = {}, []
+        arrays: dict[str, Spectrum | Donaldson] = {}
+        faults = []
         for name, value in self.spectra.items():
             try:
-                arrays[name] = _checked(name, value, self.bands, self.unphysical)
+                symbol = Symbol.of(name)
+                check = _matrix if symbol.fluorescent else _checked
+                arrays[name] = check(name, value, self.bands, self.unphysical)
             except ValueError as error:
                 faults.append(str(error))
+        matrices = {name: one for name, one in arrays.items() if isinstance(one, Donaldson)}
+        object.__setattr__(self, "fluorescent", tuple(matrices))
+        if matrices and not self.unphysical:
+            faults += overdrawn({n: one.matrix if n in matrices else one for n, one in arrays.items()}, self.bands)  # type: ignore[union-attr,misc]  # as told apart above
 
         # The white that it carries.
         if self.white is not None:
@@ -99,9 +115,10 @@ class Palette:
     @property
     def above_one(self) -> tuple[str, ...]:
         """Reflectances that pass 1 in some band, which only an unphysical palette can hold."""
-        return tuple(name for name in self.reflectances if self[name].max() > 1)
+        most = {name: sent_on(self[name], self.bands).max() for name in self.reflectances}
+        return tuple(name for name, share in most.items() if share > (WHOLE if name in self.fluorescent else 1))
 
-    def replace(self, spectra: Mapping[str, SpectrumLike] | None = None, /, **lights: SpectrumLike) -> "Palette":
+    def replace(self, spectra: Mapping[str, Given] | None = None, /, **lights: SpectrumLike) -> "Palette":
         """A copy with other spectra for some of its symbols.
 
         Examples
@@ -116,7 +133,7 @@ class Palette:
             raise ValueError(f"the palette has no {did_you_mean(unknown, self)}: to bring in a new symbol use add")
         return replace(self, spectra={**self.spectra, **changes})
 
-    def add(self, spectra: Mapping[str, SpectrumLike] | None = None, /, **lights: SpectrumLike) -> "Palette":
+    def add(self, spectra: Mapping[str, Given] | None = None, /, **lights: SpectrumLike) -> "Palette":
         """A copy with more symbols, or with other spectra for those that it has."""
         return replace(self, spectra={**self.spectra, **(spectra or {}), **lights})
 
@@ -135,14 +152,22 @@ class Palette:
         if self.bands.kind != "wavelength":
             raise ValueError(f"a palette in {self.bands!r} has no spectra to resample to {bands!r}: give wavelengths")
         nm = np.array(self.bands.centres)
-        spectra = {name: resample(nm, self[name], bands, repr(name)) for name in self}
+        spectra = {
+            n: one.on(bands, repr(n)) if isinstance(one, Donaldson) else resample(nm, self[n], bands, repr(n))
+            for n, one in self.spectra.items()
+        }
         white = None if self.white is None else resample(nm, np.asarray(self.white), bands, "the palette's white")
         return replace(self, bands=bands, spectra=spectra, white=white)
 
-    def __getitem__(self, name: str) -> Spectrum:
+    def __getitem__(self, name: str) -> Spectrum | Matrix:
         if name not in self.spectra:
             raise KeyError(f"the palette has no {did_you_mean([name], self)}")
-        return self.spectra[name]  # type: ignore[return-value]  # arrays since __post_init__
+        held = self.held(name)
+        return held.matrix if isinstance(held, Donaldson) else held
+
+    def held(self, name: str) -> "Spectrum | Donaldson":
+        """The spectrum of a symbol, or its fluorescence with its dyes."""
+        return self.spectra[name]  # type: ignore[return-value]  # so since __post_init__
 
     def __contains__(self, name: object) -> bool:
         return name in self.spectra
@@ -164,9 +189,8 @@ class Palette:
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td><code>{html.escape(name)}</code></td><td>{_curve(self[name])}</td>"
-            f"<td>{self[name].min():.3g} … {self[name].max():.3g}</td></tr>"
-            for name in self
+            f"<tr><td><code>{html.escape(name)}</code></td><td>{_drawn(held)}</td><td>{_said(held)}</td></tr>"
+            for name, held in ((name, self.held(name)) for name in self)
         )
         return f"<p>{html.escape(repr(self.bands))}</p><table>{rows}</table>"
 
@@ -178,7 +202,50 @@ def did_you_mean(wrong: Iterable[str], right: Iterable[str]) -> str:
     return ", ".join(f"{name!r} (did you mean {best[0]!r}?)" if best else repr(name) for name, best in near)
 
 
-def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> Spectrum:
+def together(symbol: Symbol) -> bool:
+    """Whether a component shares the light of its surface with others: the usual ones do, and fluorescent ones.
+
+    Examples
+    --------
+    >>> together(Symbol.of("paint.diffuse")), together(Symbol.of("paint.fluorescence")), together(Symbol.of("gold.f0"))
+    (True, True, False)
+    """
+    return symbol.component in TOGETHER or symbol.fluorescent
+
+
+def overdrawn(factors: Mapping[str, Spectrum | Matrix], bands: Bands) -> Iterator[str]:
+    """Sentences about fluorescent materials whose components together send on more light than arrives."""
+    parts = defaultdict(list)
+    for name, factor in factors.items():
+        symbol = Symbol.of(name)
+        if together(symbol):
+            parts[symbol.surface].append((symbol.component, sent_on(factor, bands)))
+    for surface, shares in parts.items():
+        total = np.sum([share for _, share in shares], axis=0)
+        band = int(total.argmax())
+        if len(shares) > 1 and total[band] > WHOLE and any(fluoresces(component) for component, _ in shares):
+            added = " + ".join(f"{component} {share[band]:.4g}" for component, share in shares)
+            yield (
+                f"'{surface}': {added} send on {total[band]:.4g} of the light at {bands.labels[band]}, more than "
+                "arrives: lower one of them; unphysical=True permits it"
+            )
+
+
+def _matrix(name: str, value: Given, bands: Bands, unphysical: bool) -> Donaldson:
+    """A fluorescent reflectance for one symbol, or the one-line reason why there is none."""
+    if isinstance(value, Donaldson) and value.bands == bands:
+        found = value
+    else:
+        try:
+            found = Donaldson.of(value, bands)  # type: ignore[arg-type]  # it refuses what it cannot take
+        except ValueError as error:
+            raise ValueError(f"{name!r}: {error}") from None
+    if not unphysical and (fault := next(found.faults(), None)):
+        raise ValueError(f"{name!r} {fault}")
+    return found
+
+
+def _checked(name: str, value: Given, bands: Bands, unphysical: bool) -> Spectrum:
     """A read-only array for one symbol, or the one-line reason why there is none."""
     # A name that a symbol can have.
     reflectance = Symbol.of(name).reflectance
@@ -218,6 +285,27 @@ def _checked(name: str, value: SpectrumLike, bands: Bands, unphysical: bool) -> 
 
 def _where(wrong: Bool[np.ndarray, " band"], bands: Bands) -> str:
     return bands.labels[int(np.flatnonzero(wrong)[0])]
+
+
+def _drawn(held: Spectrum | Donaldson) -> str:
+    """A spectrum as a curve, a matrix as a picture: upwards the band that light arrives in, to the right the other."""
+    if not isinstance(held, Donaldson):
+        return _curve(held)
+    size, most = len(held.bands), float(held.matrix.max()) or 1.0
+    cells = "".join(
+        f'<rect x="{j}" y="{size - 1 - i}" width="1" height="1" fill-opacity="{held.matrix[i, j] / most:.2f}"/>'
+        for i, j in np.argwhere(held.matrix > most / 200).tolist()
+    )
+    style = 'width="120" height="60" preserveAspectRatio="none" style="border:1px solid #8888"'
+    return f'<svg viewBox="0 0 {size} {size}" {style} fill="currentColor">{cells}</svg>'
+
+
+def _said(held: Spectrum | Donaldson) -> str:
+    """The range of a spectrum, or the wavelengths between which light moves."""
+    if not isinstance(held, Donaldson):
+        return f"{held.min():.3g} … {held.max():.3g}"
+    from_, to = (held.bands.labels[int(held.matrix.max(axis=k).argmax())] for k in (1, 0))
+    return f"mostly from {from_} to {to}, up to {sent_on(held.matrix, held.bands).max():.3g} of the light"
 
 
 def _curve(spectrum: Spectrum) -> str:

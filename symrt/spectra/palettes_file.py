@@ -9,35 +9,37 @@ sky = { spectrum = "illuminant/D65", scale = 0.3 }
 "red.diffuse" = { rgb = [0.8, 0.1, 0.1] }
 "red.specular" = 0.04                 # the same in all bands; or a list, one value a band
 "gold.specular" = { file = "gold.csv" }   # two columns, nm and value, in the scene's folder
+lamp = { peak = 400, width = 25, scale = 3 }   # a bell over nm: its middle, its width at half its height, its height
 unphysical = true                     # permits reflectances above 1
 reference-white = 0.3                 # radiance of the white it is seen against, or a list; else the key light's
+[palettes.plain."ink.fluorescence"]   # a dye, or [[…]] for each of several
+excitation = { peak = 460, width = 80 }
+emission = { peak = 520, width = 50 }
+efficiency = 0.8                      # the share of the energy taken in that is given back
 ```
 """
 
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 import tomli_w
-from jaxtyping import Float
 
+from symrt.arrays import Spectrum
 from symrt.disk import write_whole
 from symrt.errors import SceneError, refuse, require, shown, suggestion
-from symrt.reading import inside, number_faults, read_toml, scene_path
-from symrt.spectra.bands import RGB, Bands, resample, wavelengths
-from symrt.spectra.library import from_rgb, spectrum
-from symrt.spectra.palette import Palette, SpectrumLike
+from symrt.reading import number_faults, read_toml, scene_path
+from symrt.spectra.bands import RGB, Bands, wavelengths
+from symrt.spectra.fluorescence import Donaldson
+from symrt.spectra.palette import Given, Palette
+from symrt.spectra.sources import SOURCES, fluorescence_of, is_number, numbers_of, spectrum_of
 from symrt.symbols import NAME, Symbol, named
 
-SOURCES = ("spectrum", "rgb", "file")
 WHITE = "reference-white"
 KEYS = ("bands", "unphysical", WHITE)
 """Keys of a palette's table that are no symbols."""
-LARGEST_TABLE = 1 << 20
-"""Bytes that a file with one spectrum may have."""
 
 
 class Palettes(dict[str, Palette]):
@@ -147,12 +149,14 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
         raise SceneError(f"unphysical = {shown(unphysical)}: write true or false")
     spectra, faults = _spectra(table, bands, folder)
     white = table.get(WHITE)
-    if white is not None and not (isinstance(white, list) or _is_number(white)):
+    if white is not None and not (isinstance(white, list) or is_number(white)):
         raise SceneError(f"{WHITE} = {shown(white)}: give its radiance, one number a band")
 
     # All faults together: those of the file, then those of the palette itself.
     try:
-        palette = Palette(bands, spectra, unphysical, _numbers(white, len(bands)) if isinstance(white, list) else white)
+        palette = Palette(
+            bands, spectra, unphysical, numbers_of(white, len(bands)) if isinstance(white, list) else white
+        )
     except ValueError as error:
         refuse([*faults, *_lines(error)])
         raise
@@ -160,9 +164,9 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
     return palette
 
 
-def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict[str, SpectrumLike], list[str]]:
+def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict[str, Given], list[str]]:
     """Spectra for a palette, by symbol, and a line for each symbol whose value cannot be used."""
-    spectra: dict[str, SpectrumLike] = {}
+    spectra: dict[str, Given] = {}
     faults = []
     for name, value in _symbols(table):
         # Each symbol once, however it is quoted.
@@ -177,7 +181,8 @@ def _spectra(table: Mapping[str, Any], bands: Bands, folder: Path) -> tuple[dict
             faults += _lines(error)
             continue
         try:
-            spectra[name] = _spectrum(symbol, value, bands, folder)
+            read = fluorescence_of if symbol.fluorescent else spectrum_of
+            spectra[name] = read(symbol, value, bands, folder)
         except ValueError as error:
             faults += [f"{_quoted(name)} = {shown(value)}: {line}" for line in _lines(error)]
     return spectra, faults
@@ -187,9 +192,9 @@ def _bands(value: object) -> Bands:
     if value == "rgb":
         return RGB
     centres = value.get("centres") if isinstance(value, dict) and set(value) == {"centres"} else None
-    if isinstance(centres, list) and all(map(_is_number, centres)):
+    if isinstance(centres, list) and all(map(is_number, centres)):
         return Bands(tuple(map(float, centres)))
-    if isinstance(value, list) and len(value) == 3 and all(map(_is_number, value)):
+    if isinstance(value, list) and len(value) == 3 and all(map(is_number, value)):
         return wavelengths(*value)
     what = "missing" if value is None else f"= {shown(value)}"
     raise SceneError(f'bands {what}: give first, last and step in nm, such as [380, 730, 10], or "rgb"')
@@ -200,77 +205,17 @@ def _symbols(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     for key, value in table.items():
         if key in KEYS:
             continue
-        if isinstance(value, dict) and value and not set(value) & {*SOURCES, "scale"}:
+        if isinstance(value, dict) and value and not set(value) & {*SOURCES, "scale"} and not _fluorescent(key):
             yield from ((named(key, component), inner) for component, inner in value.items())
         else:
             yield key, value
 
 
-def _spectrum(symbol: Symbol, value: object, bands: Bands, folder: Path) -> SpectrumLike:
-    """The spectrum of a symbol for a palette; everything a file may say is checked here, and only here."""
-    # A name, a number, or numbers.
-    if isinstance(value, str):
-        return spectrum(value, bands, reflectance=symbol.reflectance)
-    if _is_number(value):
-        return float(value)
-    if isinstance(value, list):
-        return _numbers(value, len(bands))
-
-    # A table that names one source, and a scale.
-    if not isinstance(value, dict):
-        raise SceneError('not a spectrum; write a number, a list, a name such as "macbeth/red", or { file = "a.csv" }')
-    if unknown := sorted(set(value) - {*SOURCES, "scale"}):
-        raise SceneError(f"no key {shown(unknown[0])}: {suggestion(unknown[0], (*SOURCES, 'scale'))}")
-    if len(set(value) & set(SOURCES)) != 1:
-        raise SceneError("give one of spectrum, rgb and file, and a scale if you like")
-    scale = value.get("scale", 1.0)
-    if not _is_number(scale) or scale < 0:
-        raise SceneError(f"scale = {shown(scale)}: it must be a number, 0 or more")
-    return _from_source(symbol, value, bands, folder) * float(scale)
-
-
-def _from_source(symbol: Symbol, value: dict[str, Any], bands: Bands, folder: Path) -> Float[np.ndarray, " band"]:
-    if "rgb" in value:
-        rgb = _numbers(value["rgb"] if isinstance(value["rgb"], list) else [], 3)
-        return from_rgb(rgb, bands, reflectance=symbol.reflectance)
-    source = value.get("spectrum", value.get("file"))
-    if not isinstance(source, str):
-        raise SceneError(f"{shown(source)} is not a name: write it in quotes")
-    if "spectrum" in value:
-        return spectrum(source, bands, reflectance=symbol.reflectance)
-    nm, values = _read_table(inside(folder, source), source)
-    return resample(nm, values, bands, source)
-
-
-def _read_table(path: Path, name: str) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
-    """Two columns of numbers, nm and value; a first line of words and lines that begin with # are passed over."""
-    # The lines, if the file is of a size that a spectrum may have.
-    if path.stat().st_size > LARGEST_TABLE:
-        raise SceneError(f"{name} is larger than {LARGEST_TABLE >> 20} MiB: a spectrum is two columns, nm and value")
+def _fluorescent(key: str) -> bool:
     try:
-        lines = path.read_bytes().decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{name}: byte {error.start} is not UTF-8; save the file as UTF-8 text") from None
-
-    # Two numbers a line, but for words at the head and remarks.
-    rows: list[tuple[float, float]] = []
-    for number, line in enumerate(lines, start=1):
-        fields = line.replace(",", " ").replace(";", " ").split()
-        if not fields or fields[0].startswith("#"):
-            continue
-        try:
-            nm, value = map(float, fields)
-        except ValueError:
-            if not rows and not any(map(_reads_as_number, fields)):
-                continue
-            raise SceneError(f"{name}, line {number}: {shown(line)} is not two numbers, nm and value") from None
-        rows.append((nm, value))
-
-    # Enough of them.
-    if len(rows) < 2:
-        raise SceneError(f"{name} has {len(rows)} samples: a spectrum needs two or more lines of nm and value")
-    table = np.array(rows)
-    return table[:, 0], table[:, 1]
+        return Symbol.of(key).fluorescent
+    except ValueError:
+        return False
 
 
 def _table(palette: Palette) -> dict[str, Any]:
@@ -278,13 +223,18 @@ def _table(palette: Palette) -> dict[str, Any]:
         bands: Any = "rgb"
     else:
         bands = _evenly(palette.bands) or {"centres": [float(c) for c in palette.bands.centres]}
-    spectra = {name: float(s[0]) if np.all(s == s[0]) else s.tolist() for name, s in _arrays(palette)}
+    spectra = {name: _kept(palette.held(name)) for name in palette}
     fixed = {} if palette.white is None else {WHITE: np.asarray(palette.white).tolist()}
     return {"bands": bands, **({"unphysical": True} if palette.unphysical else {}), **fixed, **spectra}
 
 
-def _arrays(palette: Palette) -> Iterator[tuple[str, Float[np.ndarray, " band"]]]:
-    return ((name, palette[name]) for name in palette)
+def _kept(held: Spectrum | Donaldson) -> Any:
+    """A spectrum or a fluorescence as a file holds it, to the last bit."""
+    if isinstance(held, Donaldson):
+        keys = ("excitation", "emission")
+        dyes = [dict(zip(keys, map(_kept, dye), strict=True)) | {"per_nm": True} for dye in held.dyes]
+        return dyes or {"matrix": held.matrix.tolist()}
+    return float(held[0]) if np.all(held == held[0]) else held.tolist()
 
 
 def _evenly(bands: Bands) -> list[float] | None:
@@ -295,27 +245,6 @@ def _evenly(bands: Bands) -> list[float] | None:
     steps = (last - first) / step
     same = steps == round(steps) and wavelengths(first, last, step) == bands
     return [first, last, step] if same else None
-
-
-def _numbers(values: list[Any], count: int) -> Float[np.ndarray, " number"]:
-    if not all(map(_is_number, values)):
-        wrong = next(v for v in values if not _is_number(v))
-        raise SceneError(f"{shown(wrong)} is not a number: a list holds one number a band")
-    if len(values) != count:
-        raise SceneError(f"{len(values)} values where {count} belong: give one a band, or one number for all")
-    return np.array(values, dtype=float)
-
-
-def _is_number(value: object) -> TypeGuard[float | int]:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _reads_as_number(field: str) -> bool:
-    try:
-        float(field)
-    except ValueError:
-        return False
-    return True
 
 
 def _quoted(symbol: str) -> str:

@@ -14,7 +14,7 @@ from symrt.feedback.joint.objectives import mean_luminance
 from symrt.feedback.joint.planes import largest
 from symrt.feedback.limits import limits
 from symrt.feedback.parameters import moved_ends
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 
 pytestmark = pytest.mark.benchmark
 GAMUT = rt.device_gamut(rt.load_device("dye3-endura-premier"), "envelope")

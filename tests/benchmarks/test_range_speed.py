@@ -11,7 +11,7 @@ import symrt as rt
 from symrt.feedback.polynomials import Spans
 from symrt.feedback.shares import curve, pieces
 from symrt.gamut.hull import hull_gamut
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 
 pytestmark = pytest.mark.benchmark
 DEVICE = rt.load_device("dye3-endura-premier")

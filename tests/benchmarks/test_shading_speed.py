@@ -10,7 +10,8 @@ import symrt as rt
 from symrt.interactions import Interaction
 from symrt.spectra.bands import wavelengths
 from symrt.spectra.palette import Palette
-from symrt.spectra.shading import gamma, preview, shade
+from symrt.spectra.products import gamma
+from symrt.spectra.shading import preview, shade
 from symrt.system import LinearSystem
 
 SIDE = 512

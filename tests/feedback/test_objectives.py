@@ -15,8 +15,8 @@ from symrt.gamut.gamuts import device_gamut
 from symrt.interactions import Interaction
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
+from symrt.spectra.products import gamma
 from symrt.spectra.reference import Reference
-from symrt.spectra.shading import gamma
 from symrt.system import LinearSystem
 
 DEVICE = load_device("dye3-endura-premier")

@@ -22,8 +22,9 @@ from symrt.show.tables import ranges_table
 from symrt.spectra.bands import RGB
 from symrt.spectra.display import luminance_weights
 from symrt.spectra.palette import Palette
+from symrt.spectra.products import gamma
 from symrt.spectra.reference import Reference
-from symrt.spectra.shading import gamma, shade
+from symrt.spectra.shading import shade
 from symrt.system import LinearSystem
 from symrt.tails import Tail
 

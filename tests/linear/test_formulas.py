@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -26,6 +27,27 @@ def at_50_digits(formula: Formula, spectra: dict[str, float]) -> mpmath.mpf:
     return sympy.re(exact.xreplace(leaves).evalf(DIGITS))
 
 
+def in_order_at_50_digits(formula: Formula, palette: rt.Palette, band: int, chains: dict) -> sympy.Float:
+    """The same where some reflectances are matrices: products in the order met, as fractions; kept in `chains`."""
+    letters = {Factor(name): sympy.Float(value, DIGITS) for name, value in formula.values.items()}
+    total = sympy.Integer(0)
+    for interaction, coefficient in rt.linear_form(formula.expression).items():
+        if interaction not in chains:
+            light = [Fraction(x) for x in palette[interaction.light].tolist()]
+            for name in interaction.met:
+                factor = [Fraction(x) for x in palette[name].ravel().tolist()]
+                rows = [factor[k : k + len(light)] for k in range(0, len(factor), len(light))]
+                light = (
+                    [sum(x * row[j] for x, row in zip(light, rows, strict=True)) for j in range(len(light))]
+                    if name in palette.fluorescent
+                    else [x * y for x, y in zip(light, factor, strict=True)]
+                )
+            chains[interaction] = sympy.Rational(light[band].numerator, light[band].denominator)
+        exact = coefficient.xreplace({f: sympy.Float(f, DIGITS) for f in coefficient.atoms(sympy.Float)})
+        total += exact.xreplace(letters).evalf(DIGITS) * chains[interaction]
+    return total
+
+
 def some_pixels(system: rt.LinearSystem, count: int) -> np.ndarray:
     lit = np.flatnonzero(system.object_pixels)
     return np.random.default_rng(7).choice(lit, size=min(count, lit.size), replace=False)
@@ -41,12 +63,21 @@ def test_printed_formula_evaluates_to_the_shaded_pixel(name):
         interpolation = sum(lengths.error for lengths in system.lengths.values())
         clear = rt.shade(system, palette.replace(dict.fromkeys(system.lengths, 1.0))).values
         band = len(palette.bands) // 2
-        spectra = {symbol: float(palette[symbol][band]) for symbol in system.symbols}
+        spectra = {
+            symbol: float(palette[symbol][band]) for symbol in system.symbols if symbol not in palette.fluorescent
+        }
+        chains: dict = {}
         for pixel in some_pixels(system, 200 // len(palettes(name))):
             y, x = divmod(int(pixel), 48)
             for formula, hats in ((rt.formula(tree, x, y), interpolation), (rt.formula(system, x, y), 0.0)):
                 terms = max(1, system.G.indptr[pixel + 1] - system.G.indptr[pixel])
-                above = sympy.Float(float(image[y, x, band]), DIGITS) - at_50_digits(formula, spectra)
+                if palette.fluorescent:
+                    # Each term is a sum over the bands that light came from.
+                    terms *= len(palette.bands)
+                    exact = in_order_at_50_digits(formula, palette, band, chains)
+                else:
+                    exact = at_50_digits(formula, spectra)
+                above = sympy.Float(float(image[y, x, band]), DIGITS) - exact
                 rounding = max(4, terms) * np.spacing(image[y, x, band])
                 # Letters keep each length in glass; of a few nodes pixels are too bright, at most by what is told.
                 assert -rounding <= above <= rounding + hats * clear[y, x, band], (name, x, y, formula)
@@ -96,7 +127,9 @@ def test_python_code_gives_every_lit_pixel(name):
         for formula in (rt.formula(tree, x, y), rt.formula(system, x, y)):
             namespace: dict = {}
             exec(formula.code(), namespace)
-            ones = [1.0] * len(formula.symbols)
+            # With a matrix the code takes arrays of all bands, here of one.
+            matrices = any(symbol.endswith("fluorescence") for symbol in formula.symbols)
+            ones = [np.ones((1,) * (1 + s.endswith("fluorescence"))) if matrices else 1.0 for s in formula.symbols]
             assert namespace["pixel"](*ones) == pytest.approx(system.G[[pixel], :].sum(), rel=1e-13)
 
 

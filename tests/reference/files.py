@@ -91,7 +91,26 @@ def grid_of(path: str | Path, name: str) -> list[float] | None:
 def load_palette(path: str | Path, name: str) -> dict[str, Spectrum]:
     """The spectra of a palette by symbol: numbers, lists, or names of tables in colour-science."""
     table, grid = tomllib.loads(Path(path).read_text())["palettes"][name], grid_of(path, name)
-    return {symbol: spectrum(value, grid) for symbol, value in table.items() if symbol != "bands"}
+    return {
+        symbol: matrix(value, grid) if symbol.endswith("fluorescence") else spectrum(value, grid)
+        for symbol, value in table.items()
+        if symbol not in ("bands", "reference-white")
+    }
+
+
+def matrix(value: Any, grid: list[float] | None) -> list[Spectrum]:
+    """The matrix of some dyes, for evenly spaced wavelengths: what is taken in of each band, times what is given back.
+
+    The energy taken in over a band's width is spread over all bands, in the proportions of the emission.
+    """
+    dyes = value if isinstance(value, list) else [value]
+    total = [[0.0] * (3 if grid is None else len(grid)) for _ in (grid or "rgb")]
+    for dye in dyes:
+        taken, given = spectrum(dye["excitation"], grid), spectrum(dye["emission"], grid)
+        for i, row in enumerate(total):
+            for j in range(len(row)):
+                row[j] += dye.get("efficiency", 1) * taken[i] * given[j] / math.fsum(given)
+    return total
 
 
 def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
@@ -109,7 +128,8 @@ def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
     if isinstance(value, list):
         return [float(x) for x in value]
     if isinstance(value, dict):
-        return [value["scale"] * x for x in spectrum(value["spectrum"], grid)]
+        part = bell(value, grid or []) if "peak" in value else spectrum(value["spectrum"], grid)
+        return [value.get("scale", 1) * x for x in part]
     family, name = value.split("/")
     if family == "illuminant":
         light = colour_science().SDS_ILLUMINANTS[name]
@@ -124,6 +144,11 @@ def spectrum(value: Any, grid: list[float] | None) -> Spectrum:
         if name in (title, re.sub(r"( [\d.]+)? \(.*", "", title), title.split(" (")[0])
     )
     return on_grid(patch, grid)
+
+
+def bell(value: Table, grid: list[float]) -> Spectrum:
+    """A bell that is 1 at its peak, and 1/2 half its width beside it."""
+    return [0.5 ** (((nm - value["peak"]) / (value["width"] / 2)) ** 2) for nm in grid]
 
 
 def metal(name: str, grid: list[float] | None) -> Spectrum:

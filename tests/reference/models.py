@@ -68,6 +68,11 @@ def from_everywhere(_: Seen, __: Table) -> Shares:
     return [("diffuse", 1.0)]
 
 
+def fluorescent(at: Seen, _: Table) -> Shares:
+    """As a diffuser, by a matrix from the bands that light arrives in to those that it leaves in."""
+    return [("fluorescence", at.n_l / math.pi)]
+
+
 def mirror(_: Seen, __: Table) -> Shares:
     return [("mirror", 1.0)]
 
@@ -106,6 +111,7 @@ MODELS: dict[str, Model] = {
     "phong": {"direct": phong, "ambient": from_everywhere},
     "phong_plain": {"direct": phong_plain, "ambient": from_everywhere},
     "blinn_phong": {"direct": blinn_phong, "ambient": from_everywhere},
+    "fluorescent": {"direct": fluorescent, "ambient": lambda *_: [("fluorescence", 1.0)]},
     "mirror": {"reflected": mirror},
     "emitter": {"emitted": evenly},
     "metal": {"reflected": metal},

@@ -144,6 +144,11 @@ def reflectance(spectra: Mapping[str, Spectrum], material: str, component: str) 
 
 
 def gather(total: Spectrum, weight: float, light: Spectrum, reflectance: Spectrum | None = None) -> None:
-    """Add a share of some light, as it is or as a reflectance leaves it."""
+    """Add a share of some light, as it is, or as a reflectance or a matrix with a row for each band leaves it."""
+    if reflectance is not None and isinstance(reflectance[0], list):
+        for amount, row in zip(light, reflectance, strict=True):
+            for k, part in enumerate(row):
+                total[k] += weight * amount * part
+        return
     for k, amount in enumerate(light):
         total[k] += weight * amount * (1.0 if reflectance is None else reflectance[k])

@@ -93,6 +93,7 @@ def test_the_example_in_the_module_is_a_palette(tmp_path):
     example = module.__doc__.split("```toml")[1].split("```")[0]
     assert set(load_palettes(write(tmp_path, example))["plain"]) == {
         "sun", "sky", "clay.diffuse", "red.diffuse", "red.specular", "gold.specular",
+        "lamp", "ink.fluorescence",
     }  # fmt: skip
 
 

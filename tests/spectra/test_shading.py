@@ -10,8 +10,10 @@ from scipy import sparse
 from symrt.interactions import Interaction
 from symrt.nodes import Nodes
 from symrt.spectra.bands import RGB, Bands, wavelengths
+from symrt.spectra.certificate import tail_bound
 from symrt.spectra.palette import Palette
-from symrt.spectra.shading import gamma, preview, shade, tail_bound
+from symrt.spectra.products import gamma
+from symrt.spectra.shading import preview, shade
 from symrt.spectra.viewing import to_rgb
 from symrt.system import LinearSystem
 from symrt.tails import Tail

@@ -17,7 +17,7 @@ from symrt.feedback.joint.leaving import leave_out
 from symrt.feedback.joint.objectives import Regions, brightest, closest, contrast, levelled
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 
 Goal = Literal["lightest", "darkest", "closest", "lexicographic", "brightest", "contrast"]
 OBJECTIVES: tuple[Goal, ...] = ("lightest", "darkest", "closest", "lexicographic", "brightest", "contrast")

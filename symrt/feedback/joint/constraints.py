@@ -16,6 +16,7 @@ from symrt.feedback.ranges import reason
 from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.spectra.bands import Number
+from symrt.spectra.fluorescence import sent_on
 
 LEAST = 1e-300
 """Of the high end of the range, where logarithms begin if the low end is 0."""
@@ -133,7 +134,7 @@ def _cap_rows(task: Task, values: Mapping[str, float], free: Mapping[str, frozen
     for symbols in grouped(palette).values():
         sums = np.zeros((len(palette.bands), 1 + len(names)))
         for symbol in symbols:
-            sums[:, owner.get(symbol, 0)] += palette[symbol] / BELOW_ONE
+            sums[:, owner.get(symbol, 0)] += sent_on(palette[symbol], palette.bands) / BELOW_ONE
         rows.append(sums[sums[:, 1:].any(axis=1)])
     with np.errstate(divide="ignore"):
         logs = np.log(np.vstack([np.zeros((0, 1 + len(names))), *rows]))

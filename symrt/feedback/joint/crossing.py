@@ -26,6 +26,7 @@ from symrt.feedback.shares import Curve, End, Piece, curve, pieces, shared
 from symrt.gamut.clipping import clip_slabs
 from symrt.gamut.interface import ROUNDING
 from symrt.gamut.looking import Spans
+from symrt.spectra.fluorescence import sent_on
 from symrt.spectra.palette import Palette
 from symrt.system import LinearSystem
 
@@ -244,7 +245,12 @@ def _caps(plane: Plane, painted: Palette) -> tuple[Cap, Cap]:
 
     # Their sums where the other is 0 and where it is 1, and where the line between passes 1.
     first, last = (
-        np.array([np.sum([ends.get(s, (painted[s], painted[s]))[k] for s in own], axis=0) for own in groups.values()])
+        np.array(
+            [
+                np.sum([sent_on(ends.get(s, (painted[s],) * 2)[k], painted.bands) for s in own], axis=0)
+                for own in groups.values()
+            ]
+        )
         for k in (0, 1)
     )
     bands = len(painted.bands)

@@ -28,7 +28,7 @@ from symrt.feedback.reasons import Reason
 from symrt.feedback.shares import End
 from symrt.spectra.bands import Number
 from symrt.spectra.palette import Palette
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 from symrt.system import LinearSystem
 
 Pixels = Int[np.ndarray, " _"]
@@ -68,8 +68,8 @@ class Task:
 
     def line(self, values: Mapping[str, float], free: frozenset[str]) -> Along:
         """The image when the free scales share one value and the others have theirs."""
-        black = np.zeros(len(self.palette.bands))
-        ends = {s: (black, self.palette[s]) for name in sorted(free) for s in sorted(self.symbols[name])}
+        moving = [s for name in sorted(free) for s in sorted(self.symbols[name])]
+        ends = {s: (np.zeros_like(self.palette[s]), self.palette[s]) for s in moving}
         return along_ends(self.system, self.painted(values), ends)
 
     def capped(self, values: Mapping[str, float], free: frozenset[str]) -> Cap:

@@ -27,7 +27,7 @@ from symrt.feedback.joint.settling import GROWTH, near, raised
 from symrt.feedback.reasons import Reason
 from symrt.feedback.weighing import Mask, check_mask
 from symrt.spectra.bands import Number
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 
 Regions = Sequence[tuple[Mask, Mask]]
 Pixels = Int[np.ndarray, " _"]

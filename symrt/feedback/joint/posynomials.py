@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 
 from symrt.feedback.bounds import Bound
 from symrt.spectra.palette import Palette
-from symrt.spectra.shading import gamma
+from symrt.spectra.products import gamma
 from symrt.system import LinearSystem
 
 SHARES_AT_ONCE = 1 << 15

@@ -11,6 +11,7 @@ from symrt.tracing.effects.dispersion import DISPERSION
 from symrt.tracing.effects.effect import Call, Effect, Passed, Segment, Sent
 from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.film import SUPERSAMPLING
+from symrt.tracing.effects.fluorescence import FLUORESCENCE
 from symrt.tracing.effects.interreflection import INTERREFLECTION
 from symrt.tracing.effects.lens import LENS
 from symrt.tracing.effects.mirrors import MIRRORS
@@ -30,6 +31,7 @@ EFFECTS: tuple[Effect, ...] = (
     INTERREFLECTION,
     AMBIENT,
     EMISSION,
+    FLUORESCENCE,
     TEXTURES,
     LENS,
     SUPERSAMPLING,
