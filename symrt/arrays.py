@@ -66,6 +66,32 @@ def normalise(v: Vectors) -> Vectors:
     return scaled / np.sqrt(dot(scaled, scaled))
 
 
+def reflect(direction: Vectors, normal: Vectors) -> Vectors:
+    """Mirror a unit vector that points away from a surface about its normal; the result points away too.
+
+    Examples
+    --------
+    >>> up, slanting = np.array([[0.0], [1.0], [0.0]]), np.array([[0.6], [0.8], [0.0]])
+    >>> reflect(slanting, up).T.tolist()
+    [[-0.6, 0.8, 0.0]]
+    """
+    return 2 * dot(direction, normal) * normal - direction
+
+
+def half_way(a: Vectors, b: Vectors) -> Vectors:
+    """The unit vector half way between two; zero where they are exactly opposite, and there is none.
+
+    Examples
+    --------
+    >>> half_way(np.array([[1.0], [0.0], [0.0]]), np.array([[-1.0], [0.0], [0.0]])).T.tolist()
+    [[0.0, 0.0, 0.0]]
+    """
+    total = a + b
+    size = np.sqrt(dot(total, total))
+    # Cosines with the zero vector are 0, the dark limit.
+    return total / np.where(size > 0, size, 1.0)
+
+
 def power_of_two_above(v: Vectors) -> PerRay:
     """A power of two of the size of each vector's largest component, 1 for a zero vector."""
     exponent = np.frexp(np.abs(v).max(axis=0, initial=0))[1]

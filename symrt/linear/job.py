@@ -20,9 +20,10 @@ from symrt.linear.tiles import Window, tiles
 from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tracing.plan import Plan
-from symrt.tracing.planner import at_work, first_plan
+from symrt.tracing.planner import first_plan
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tracer import trace_window
+from symrt.tracing.work import at_work
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,10 +17,11 @@ from symrt.scene.records import Scene
 from symrt.system import LinearSystem
 from symrt.tails import Shares, Tail
 from symrt.tracing.plan import Expectation, Expected, Plan
-from symrt.tracing.planner import at_work, first_plan
+from symrt.tracing.planner import first_plan
 from symrt.tracing.stage import Alternatives, Stage, make_stage
 from symrt.tracing.tally import CAMERA
 from symrt.tracing.tracer import trace_window
+from symrt.tracing.work import at_work
 from symrt.windows import EVERYWHERE
 
 FEW, MANY = (16**2, 48), (40**2, 192)

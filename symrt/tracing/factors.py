@@ -9,7 +9,8 @@ from collections.abc import Iterable
 import numpy as np
 from jaxtyping import Float
 
-from symrt.arrays import PerRay, Vectors, dot
+from symrt.arrays import PerRay, dot, half_way, reflect
+from symrt.reflection.symbols import ONE_MINUS
 
 Direction = Float[np.ndarray, "3 ray"]
 
@@ -23,8 +24,13 @@ def factors(names: Iterable[str], normal: Direction, viewer: Direction, light: D
     >>> factors(["n_dot_l", "one_minus_r_dot_v"], up, up, up)
     {'n_dot_l': array([1.]), 'one_minus_r_dot_v': array([0.])}
     """
-    vectors = {"n": normal, "v": viewer, "l": light}
-    return {name: _factor(name, vectors) for name in sorted(names)}
+    # Each name ends in its two vectors, then the cosine of each pair.
+    pairs = {name: (name.removeprefix(ONE_MINUS)[0], name[-1]) for name in sorted(names)}
+    vectors = {
+        letter: _vector(letter, normal, viewer, light)
+        for letter in sorted({letter for pair in pairs.values() for letter in pair})
+    }
+    return {name: _factor(name, vectors[first], vectors[second]) for name, (first, second) in pairs.items()}
 
 
 def coded(name: str) -> tuple[int, int, int]:
@@ -35,42 +41,23 @@ def coded(name: str) -> tuple[int, int, int]:
     >>> coded("one_minus_r_dot_v")
     (3, 1, 1)
     """
-    cosine = name.removeprefix("one_minus_")
+    cosine = name.removeprefix(ONE_MINUS)
     return "nvlrh".index(cosine[0]), "nvlrh".index(cosine[-1]), int(cosine != name)
 
 
-def _factor(name: str, vectors: dict[str, Direction | None]) -> PerRay:
-    cosine = name.removeprefix("one_minus_")
-    first, second = (_vector(letter, vectors) for letter in (cosine[0], cosine[-1]))
-    if cosine == name:
+def _vector(letter: str, normal: Direction, viewer: Direction, light: Direction | None) -> Direction:
+    """The unit vector of a letter: n, v, l, the half vector h, or r, the mirrored light."""
+    if letter == "n":
+        return normal
+    if letter == "v":
+        return viewer
+    if light is None:
+        raise ValueError(f"the vector {letter} needs a light")
+    return light if letter == "l" else reflect(light, normal) if letter == "r" else half_way(light, viewer)
+
+
+def _factor(name: str, first: Direction, second: Direction) -> PerRay:
+    if not name.startswith(ONE_MINUS):
         return np.clip(dot(first, second), 0.0, 1.0)
     difference = first - second
     return np.minimum(dot(difference, difference) / 2, 1.0)
-
-
-def _vector(letter: str, vectors: dict[str, Direction | None]) -> Direction:
-    found = vectors.get(letter)
-    if found is not None:
-        return found
-    normal, light = vectors["n"], vectors["l"]
-    if normal is None or light is None:
-        raise ValueError(f"the vector {letter} needs a light")
-    if letter == "r":
-        vectors["r"] = reflect(light, normal)
-    else:
-        vectors["h"] = _half(light, vectors["v"])
-    return _vector(letter, vectors)
-
-
-def reflect(direction: Vectors, normal: Vectors) -> Vectors:
-    """Mirror a unit vector that points away from the surface about the normal; the result points away too."""
-    return 2 * dot(direction, normal) * normal - direction
-
-
-def _half(light: Direction, viewer: Direction | None) -> Direction:
-    if viewer is None:
-        raise ValueError("the half vector needs a viewer")
-    total = light + viewer
-    size = np.sqrt(dot(total, total))
-    # Light and viewer exactly opposite have no half vector: the zero vector, whose cosines are 0, is the dark limit.
-    return total / np.where(size > 0, size, 1.0)

@@ -1,7 +1,7 @@
 """Plan a trace: the effects that a scene calls for; one that nothing calls for is never simulated (before step 1)."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -133,38 +133,3 @@ def _counted(planned: list[Planned], calls: Mapping[str, Call], depth: int) -> I
         share = call.onwards * (hits - 1) // sent if sent else 0
         expected = call.a_hit * (hits + gathered) + share + call.gathered
         yield replace(effect, a_sample=expected) if effect.simulated else effect
-
-
-@dataclass(frozen=True, eq=False)
-class AtWork:
-    """The records of the effects in a plan that are simulated, and of those that are left out and bounded.
-
-    Parameters
-    ----------
-    simulated, bounded
-        Effects in the order of the plan; the tracer calls no others.
-    left_out
-        Names of the bounded effects.
-    """
-
-    simulated: tuple[Effect, ...]
-    bounded: tuple[Effect, ...]
-    left_out: frozenset[str]
-
-    @property
-    def gathered(self) -> frozenset[str]:
-        """The formulas that lights meet by which rays are sent on, too."""
-        return frozenset(via for effect in (*self.simulated, *self.bounded) for via in effect.gathers)
-
-
-def at_work(chosen: Plan) -> AtWork:
-    """Look up the records of a plan's effects; the plan itself holds words only, so that it can be sent and kept."""
-    by_name = {effect.name: effect for effect in effects.EFFECTS}
-    simulated, bounded, left_out = [], [], []
-    for planned in chosen.effects:
-        if planned.state == "simulated":
-            simulated.append(by_name[planned.name])
-        elif planned.state == "left out, bounded":
-            bounded.append(by_name[planned.name])
-            left_out.append(planned.name)
-    return AtWork(tuple(simulated), tuple(bounded), frozenset(left_out))

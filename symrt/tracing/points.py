@@ -18,11 +18,10 @@ from symrt.scene.surface_lights import SurfaceLight
 from symrt.symbols import Surface
 from symrt.tracing.factors import coded, factors
 from symrt.tracing.gathering import GATHERED, LIGHT, PATH, SEED, drawn
-from symrt.tracing.planner import AtWork
 from symrt.tracing.raytree import Index, Lit, Points
 from symrt.tracing.stage import Stage
-from symrt.tracing.tally import Tally
 from symrt.tracing.view import View
+from symrt.tracing.work import AtWork
 
 Shares = Sequence[tuple[str, tuple[np.ndarray, np.ndarray]]]
 """Each material with its hits and weights."""
@@ -62,33 +61,30 @@ class Reached:
         return kind and own and bool(model.formulas[self.light.via] != 0)
 
 
-def points(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Points, ...]:
+def points(stage: Stage, effects: AtWork, view: View) -> tuple[Points, ...]:
     """All points of a level, by material in the order of names; alternatives follow what they may replace."""
     # The hits that each sample of each light reaches.
-    shares = sorted(_shares(stage, effects, view, tally).items())
+    shares = sorted(_shares(stage, effects, view).items())
     asking = _asking(stage, shares, view.slot.size)
     reached = []
     for light in stage.lights:
         if isinstance(light, AreaLight):
-            reached += _reached_from(stage, effects, light, view, shares, tally)
-            reached += _reached_from_a_place(stage, effects, light, view, asking, tally)
+            reached += _reached_from(stage, effects, light, view, shares)
+            reached += _reached_from_a_place(stage, effects, light, view, asking)
         else:
             samples = light.samples(view.surface.point)
-            reached += [_reached(stage, effects, light, sample, view, asking, tally) for sample in samples]
+            reached += [_reached(stage, effects, light, sample, view, asking) for sample in samples]
 
     # The points of each material, and again for each of its alternatives.
     found = []
     for material, (hit, weight) in shares:
         others = [Surface(other, instead_of=material) for other in stage.alternatives.get(material, ())]
         for name in (material, *map(str, others)):
+            # The light on them, where the model has a formula for it, and what depends on the viewer only.
             model = stage.materials[name].model
+            meeting = [one for one in reached if one.meets(name, model)]
             seen = factors(model.factors & VIEW, *view.facing(hit), None)
-
-            # The light on them, where the model has a formula for it.
-            met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in reached if one.meets(name, model)]
-            for one, arriving in met:
-                if one.light.calls_for:
-                    tally.touch(one.light.calls_for, view.sample[hit[arriving.point]])
+            met = [(one, _lit(view, one, hit, model.factors - FRESNEL)) for one in meeting]
 
             # A light whose effect is left out does not shine; one whose shadows are does. Both count in the tail.
             lit = tuple(arriving for one, arriving in met if one.light.calls_for not in effects.left_out)
@@ -114,7 +110,6 @@ def _reached(
     at: Illumination,
     view: View,
     asking: Bool[np.ndarray, " hit"],
-    tally: Tally,
 ) -> Reached:
     """The hits that one sample of a light reaches, and the share of it that effects let through."""
     # Light from everywhere reaches all hits.
@@ -135,19 +130,15 @@ def _reached(
     if light.shadows:
         for effect in effects.simulated:
             if effect.arriving is not None and effect.figures == figures:
-                with tally.timed(effect.name):
-                    passed = effect.arriving(stage, view, light, hit, at, tally.rays)
-                    visible, error = visible * passed.share, passed.error
-                tally.touch(effect.name, view.sample[hit[passed.share < 1]])
+                passed = effect.arriving(stage, view, light, hit, at)
+                visible, error = visible * passed.share, passed.error
     bounded = light.calls_for in effects.left_out or (
         light.shadows and any(effect.arriving is not None and effect.figures == figures for effect in effects.bounded)
     )
     return Reached(light, position, at.direction, at.falloff, visible, bounded, error)
 
 
-def _reached_from(
-    stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares, tally: Tally
-) -> list[Reached]:
+def _reached_from(stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares) -> list[Reached]:
     """The hits that a light with an area reaches: diffusers as a whole, materials with highlights by its places."""
     # The hits of both kinds of material; a texture may blend them.  Where light is gathered one place is enough.
     seen = view.state[GATHERED] == 0 if GATHERED in view.state else np.ones(view.slot.size, dtype=bool)
@@ -164,7 +155,7 @@ def _reached_from(
         if hits.any():
             point = view.surface.point
             samples = (light.facing(point, view.shading_normal),) if diffusing else light.samples(point)
-            reached = (_reached(stage, effects, light, sample, view, hits, tally) for sample in samples)
+            reached = (_reached(stage, effects, light, sample, view, hits) for sample in samples)
             found += [replace(one, diffusing=diffusing) for one in reached]
     return found
 
@@ -175,7 +166,6 @@ def _reached_from_a_place(
     light: AreaLight,
     view: View,
     asking: Bool[np.ndarray, " hit"],
-    tally: Tally,
 ) -> list[Reached]:
     """The hits at which paths gather light, each reached from one place that is drawn on a light with an area."""
     asked, bounces = stage.interreflection, view.state.get(GATHERED)
@@ -187,7 +177,7 @@ def _reached_from_a_place(
         path = view.state[PATH][hit]
         u[hit], v[hit] = drawn(view.state[SEED][hit], path, asked.paths, 4 * (bounce - 1) + LIGHT)
     sample = drawn_place(light.outline(view.surface.point), 2 * u - 1, 2 * v - 1)
-    return [_reached(stage, effects, light, sample, view, asking & (bounces > 0), tally)]
+    return [_reached(stage, effects, light, sample, view, asking & (bounces > 0))]
 
 
 def _lit(view: View, reached: Reached, hit: Index, names: frozenset[str]) -> Lit:
@@ -229,9 +219,7 @@ def _lit_compiled(view: View, reached: Reached, hit: Index, names: frozenset[str
     return Lit(light.name, light.via, point, falls[:count], seen[:count], factors, error)
 
 
-def _shares(
-    stage: Stage, effects: AtWork, view: View, tally: Tally
-) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:
+def _shares(stage: Stage, effects: AtWork, view: View) -> dict[str, tuple[Index, Float[np.ndarray, " point"]]]:
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
@@ -239,22 +227,18 @@ def _shares(
         if stage.slots[slot] in stage.remembered:
             continue
         hit = np.flatnonzero(view.slot == slot)
-        for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit, tally).items():
+        for material, share in _materials_at(stage, effects, stage.slots[slot], view, hit).items():
             present = share > 0
             parts.setdefault(material, []).append((hit[present], share[present]))
     return {name: _in_order(found) for name, found in parts.items() if any(hit.size for hit, _ in found)}
 
 
-def _materials_at(
-    stage: Stage, effects: AtWork, name: str, view: View, hit: Index, tally: Tally
-) -> Mapping[str, np.ndarray]:
+def _materials_at(stage: Stage, effects: AtWork, name: str, view: View, hit: Index) -> Mapping[str, np.ndarray]:
     """Shares of the materials that a name stands for at some hits: those of a texture, or all of a material."""
     for effect in effects.simulated:
         if effect.surface is not None:
-            with tally.timed(effect.name):
-                blended = effect.surface(stage, name, view, hit)
+            blended = effect.surface(stage, name, view, hit)
             if blended is not None:
-                tally.touch(effect.name, view.sample[hit])
                 return blended
     return {name: np.ones(hit.size)}
 

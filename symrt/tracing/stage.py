@@ -98,11 +98,12 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     # Move everything to the camera.
     x, y, z = scene.camera.position
     by = (-x, -y, -z)
-    shapes = gathered([translate(shape, np.array(by)) for shape in loaded])
     camera = moved_camera(scene.camera, by)
     lights = tuple(answering(light).moved(by) for light in scene.lights)
+    moved = [translate(shape, np.array(by)) for shape in loaded]
 
     # Number the materials of the shapes; lamps that are seen come after them, and cast no shadow.
+    shapes = gathered(moved)
     lamps = [light.shape for light in lights if isinstance(light, AreaLight) and light.visible]
     seen = gathered([*shapes, *lamps]) if lamps else shapes
     slots, first = _numbered(seen)

@@ -10,7 +10,7 @@ References
 
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,21 +19,22 @@ from jaxtyping import Int
 from symrt.arrays import keep_memory
 from symrt.geometry.box import Box
 from symrt.geometry.meeting import leaving_of, nearest, surfaces
-from symrt.geometry.rays import Hits, Rays
+from symrt.geometry.rays import Hits
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.reflection.models import LIT
 from symrt.scene.cameras import Window
 from symrt.scene.records import Scene
-from symrt.tracing.effects.effect import CARRIED, Sent
 from symrt.tracing.film import centres
 from symrt.tracing.gathering import GATHERED, PATH
+from symrt.tracing.onwards import rays_onwards
 from symrt.tracing.plan import Plan
-from symrt.tracing.planner import AtWork, at_work, first_plan
+from symrt.tracing.planner import first_plan
 from symrt.tracing.points import points
-from symrt.tracing.raytree import Branch, Emitted, Level, RayTree
+from symrt.tracing.raytree import Level, RayTree
 from symrt.tracing.stage import Alternatives, Stage, make_stage
-from symrt.tracing.tally import CAMERA, Tally
-from symrt.tracing.view import WINDOW, Batch, State, View, look
+from symrt.tracing.tally import CAMERA, Tally, watched
+from symrt.tracing.view import WINDOW, Batch, View, look
+from symrt.tracing.work import AtWork, at_work
 
 Bounds = tuple[int, int, int, int]
 
@@ -87,9 +88,8 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     sampled = centres if sampling is None or sampling.film is None else sampling.film
     of_film = Window(x0, y0, x1 - x0, y1 - y0)
     film, rays = sampled(stage.camera, of_film)
-    tally = Tally(film, (x1 - x0) * (y1 - y0), {one.name: one.acts for one in effects.simulated})
-    if sampling is not None:
-        tally.touch(sampling.name, np.flatnonzero(np.bincount(film.pixel)[film.pixel] > 1))
+    tally = Tally(film, (x1 - x0) * (y1 - y0), effects.simulated)
+    effects, sending = watched(effects, tally), _sending(stage, effects)
 
     # The values that effects keep for each ray, and the levels of the tree.
     kept = {
@@ -99,13 +99,14 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
     }
     batch = Batch(rays, np.arange(film.pixel.size), (), kept)
     levels = _levels(stage, effects, batch, tally, chosen.tolerance)
+    tally.shone(levels, {light.name: light.calls_for for light in stage.lights})
     return RayTree(
         levels=levels,
         materials=stage.materials,
         lights=stage.remembered,
         window=(x0, y0, x1, y1),
         film=film,
-        sending=_sending(stage, effects),
+        sending=sending,
         plan=chosen,
         rays=dict(tally.rays),
         counts=tally.counts(),
@@ -126,95 +127,37 @@ def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance
             batch, hits = batch.of(found), hits.of(found)
 
             # The surfaces there, what rays went through on their way, and the light that reaches them.
-            surface, leaving = surfaces(stage.seen, batch.rays, hits, stage.textured), leaving_of(stage.seen, hits)
+            leaving, surface = leaving_of(stage.seen, hits), surfaces(stage.seen, batch.rays, hits, stage.textured)
             view = look(surface, _slots_of(stage, hits), batch, leaving)
-            batch, inside = _segments(stage, effects, batch, view, hits, tally)
-            here = points(stage, effects, view, tally)
-            emitted = _emitted(stage, effects, view, tally)
-            unlit = tuple(one for effect in effects.bounded if effect.emitted for one in effect.emitted(stage, view))
+            view, inside = _segments(stage, effects, batch, view, hits)
+            here = points(stage, effects, view)
+            emitted, unlit = (
+                tuple(one for effect in those if effect.emitted is not None for one in effect.emitted(stage, view))
+                for those in (effects.simulated, effects.bounded)
+            )
 
         # The rays that go on: followed until the depth is reached, cut off and bounded from there on.
-        cast = Counter()
-        followed: list[Sent] = []
-        cut = [one for effect in effects.bounded if effect.onwards for one in effect.onwards(stage, view, here)]
-        for effect in effects.simulated:
-            if effect.onwards is None:
-                continue
-            with tally.timed(effect.name):
-                sent = [_parted(one, view.state, tolerance) for one in effect.onwards(stage, view, here)]
-            for enough, rest in sent:
-                within, beyond = _within(enough, stage.depth, len(levels), view.state)
-                for one in within:
-                    tally.sent(effect.name, one.via, view.sample[one.hit])
-                    cast[effect.name] += one.hit.size
-                followed += within
-                cut += beyond + rest
-        gathered, path = view.state.get(GATHERED), view.state.get(PATH)
-        window, ends = batch.state.get(WINDOW), tuple(map(_branch, cut))
-        levels.append(Level(batch.sample, batch.branches, here, emitted, ends, unlit, inside, gathered, path, window))
-        batch = _joined(batch, followed)
+        onwards = rays_onwards(stage, effects, view, here, tolerance, level=len(levels))
+        cast = tally.sent(onwards.followed, view)
+        gathered, path, window = (view.state.get(name) for name in (GATHERED, PATH, WINDOW))
+        levels.append(
+            Level(batch.sample, batch.branches, here, emitted, onwards.cut, unlit, inside, gathered, path, window)
+        )
+        batch = onwards.batch
     return tuple(levels)
 
 
 def _segments(
-    stage: Stage, effects: AtWork, batch: Batch, view: View, hits: Hits, tally: Tally
-) -> tuple[Batch, Mapping[str, np.ndarray]]:
-    """The rays with what they keep of their way, and the lengths that they went in absorbing materials."""
+    stage: Stage, effects: AtWork, batch: Batch, view: View, hits: Hits
+) -> tuple[View, Mapping[str, np.ndarray]]:
+    """The view with what rays keep of their way, and the lengths that they went in absorbing materials."""
     inside: Mapping[str, np.ndarray] = {}
-    for effect in effects.simulated:
-        if effect.segment is not None:
-            with tally.timed(effect.name):
-                segment = effect.segment(stage, batch, view, hits.distance)
-            for length in segment.inside.values():
-                tally.touch(effect.name, view.sample[length > 0])
-            inside, batch = segment.inside, replace(batch, state={**batch.state, **segment.state})
-
-    # What is left out is bounded by them, too.
-    for effect in effects.bounded:
+    # An effect that is left out is bounded by them, too.
+    for effect in (*effects.simulated, *effects.bounded):
         if effect.segment is not None:
             segment = effect.segment(stage, batch, view, hits.distance)
-            inside, batch = segment.inside, replace(batch, state={**batch.state, **segment.state})
-    return batch, inside
-
-
-def _emitted(stage: Stage, effects: AtWork, view: View, tally: Tally) -> tuple[Emitted, ...]:
-    """The light that hits send to the viewer by themselves, by all effects."""
-    found: list[Emitted] = []
-    for effect in effects.simulated:
-        if effect.emitted is not None:
-            with tally.timed(effect.name):
-                sent = effect.emitted(stage, view)
-            for one in sent:
-                tally.touch(effect.name, view.sample[one.hit])
-            found += sent
-    return tuple(found)
-
-
-def _parted(sent: Sent, state: State, tolerance: float) -> tuple[list[Sent], list[Sent]]:
-    """The rays that carry enough of their film samples' light to be followed, and the others."""
-    if sent.share is None or CARRIED not in state:
-        return [sent], []
-    carried = state[CARRIED][sent.hit] * sent.share
-    sent = replace(sent, state={**sent.state, CARRIED: carried})
-    enough = carried >= tolerance
-    if enough.all():
-        return [sent], []
-    return [sent.of(np.flatnonzero(enough))] if enough.any() else [], [sent.of(np.flatnonzero(~enough))]
-
-
-def _within(sent: list[Sent], depth: int, level: int, state: State) -> tuple[list[Sent], list[Sent]]:
-    """The rays that are followed, and those beyond the depth, in which the bounces of gathered light do not count."""
-    followed, cut = [], []
-    for one in sent:
-        if one.rays is None or (GATHERED not in state and level >= depth):
-            cut.append(one)
-        elif GATHERED not in state or GATHERED in one.state:
-            followed.append(one)
-        else:
-            within = level - state[GATHERED][one.hit] < depth
-            followed.append(one.of(np.flatnonzero(within)))
-            cut.append(one.of(np.flatnonzero(~within)))
-    return followed, cut
+            inside, view = segment.inside, replace(view, state={**view.state, **segment.state})
+    return view, inside
 
 
 def _sending(stage: Stage, effects: AtWork) -> dict[str, tuple[str, ...]]:
@@ -222,32 +165,6 @@ def _sending(stage: Stage, effects: AtWork) -> dict[str, tuple[str, ...]]:
     unused = {*LIT} - effects.gathered
     chosen = {place: tuple(via for via in formulas if via not in unused) for place, formulas in stage.sending.items()}
     return {place: formulas for place, formulas in chosen.items() if formulas}
-
-
-def _branch(sent: Sent) -> Branch:
-    return Branch(sent.via, sent.hit, sent.weight, sent.factors, sent.materials, sent.state.get(WINDOW))
-
-
-def _joined(batch: Batch, sent: Sequence[Sent]) -> Batch:
-    """Join all rays that were sent on into one batch; effects' states are inherited where they did not change."""
-    followed = [one.rays for one in sent if one.rays is not None]
-    if not followed:
-        return Batch(batch.rays, np.empty(0, dtype=np.int64), (), {})
-
-    # The rays; −1 where no shape is known that a ray has left for good.
-    rays = Rays(
-        np.concatenate([one.origin for one in followed], axis=1),
-        np.concatenate([one.direction for one in followed], axis=1),
-        np.concatenate([np.full(len(one), -1, np.int32) if one.left is None else one.left for one in followed]),
-    )
-
-    # The film sample and the states of the hits that they left.
-    sample = np.concatenate([batch.sample[one.hit] for one in sent])
-    state = {
-        name: np.concatenate([one.state[name] if name in one.state else values[one.hit] for one in sent])
-        for name, values in batch.state.items()
-    }
-    return Batch(rays, sample, tuple(map(_branch, sent)), state)
 
 
 def _slots_of(stage: Stage, hits: Hits) -> Int[np.ndarray, " hit"]:

@@ -1,6 +1,5 @@
 """The record of an effect: how a scene calls for it, and its functions at the seams of the tracer (step 1)."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -109,10 +108,19 @@ class Sent:
 
 @dataclass(frozen=True, eq=False)
 class Passed:
-    """The share of a light that an effect lets through to some hits, and its estimated error where it is not exact."""
+    """The share of a light that an effect lets through to some hits.
+
+    Parameters
+    ----------
+    error
+        Its estimated error, where it is not exact.
+    rays
+        Number of rays that were cast to find it.
+    """
 
     share: PerHit
     error: PerHit | None = None
+    rays: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +178,7 @@ class Effect:
     unbounded: bool = False
     film: Callable[[Camera, Window], tuple[Film, Rays]] | None = None
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
-    arriving: Callable[[Stage, View, Light, Which, Illumination, Counter[str]], Passed] | None = None
+    arriving: Callable[[Stage, View, Light, Which, Illumination], Passed] | None = None
     figures: bool = False
     segment: Callable[[Stage, Batch, View, PerHit], Segment] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None

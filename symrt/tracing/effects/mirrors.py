@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from symrt.arrays import dot, normalise
+from symrt.arrays import dot, normalise, reflect
 from symrt.geometry.rays import spawn
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import CARRIED, Call, Effect, Sent
-from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import Points
 from symrt.tracing.stage import Alternatives, Stage, refracting, senders
 from symrt.tracing.view import View

@@ -10,7 +10,6 @@ stands between all corners is missed**, by both.
 Without penumbrae all of a light is seen: surfaces are too bright by at most the light that reaches them.
 """
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -64,14 +63,15 @@ class _Grid:
     along_v: Float[np.ndarray, "hit u edge"]
 
 
-def _visible(stage: Stage, view: View, light: Light, hit: Which, at: Illumination, count: Counter[str]) -> Passed:
+def _visible(stage: Stage, view: View, light: Light, hit: Which, at: Illumination) -> Passed:
     """The share that is seen of a light with an area from each of the given hits, and its estimated error."""
     figure, (grid, refinement) = _given(at), _fineness(light)
     share, error = np.ones(hit.size), np.zeros(hit.size)
 
     # The hits before which some shape may stand.
     asked = np.flatnonzero(_doubtful(stage, view, hit, figure))
-    looks = _looking(stage, view, hit, at, count)
+    cast: list[int] = []
+    looks = _looking(stage, view, hit, at, cast)
 
     # Corners of the grid, and the hits that see some of them only.
     side = np.linspace(-1.0, 1.0, grid)
@@ -91,7 +91,7 @@ def _visible(stage: Stage, view: View, light: Light, hit: Which, at: Illuminatio
     part, normal = figure.of(asked), view.shading_normal[:, hit[asked]]
     share[asked] = _share(fine, part, normal)
     error[asked] = np.abs(share[asked] - _share(coarse, part, normal))
-    return Passed(share, error)
+    return Passed(share, error, rays=sum(cast))
 
 
 PENUMBRAE = Effect("penumbrae", _call, arriving=_visible, figures=True)
@@ -131,8 +131,8 @@ def _doubtful(stage: Stage, view: View, hit: Which, figure: Outline) -> Bool[np.
     return doubtful
 
 
-def _looking(stage: Stage, view: View, hit: Which, at: Illumination, count: Counter[str]) -> Looks:
-    """The function that casts rays from the hits to places on a figure."""
+def _looking(stage: Stage, view: View, hit: Which, at: Illumination, cast: list[int]) -> Looks:
+    """The function that casts rays from the hits to places on a figure, and notes their numbers in `cast`."""
     figure, middle, horizon = _given(at), at.towards, view.shading_normal[:, hit]
     normal, leaving = view.normal[:, hit], view.leaving[:, hit]
     point, error = view.surface.point[:, hit], view.surface.error[hit]
@@ -153,7 +153,7 @@ def _looking(stage: Stage, view: View, hit: Which, at: Illumination, count: Coun
             from_here = point.take(here, axis=1), normal.take(here, axis=1), error[here]
             rays = spawn(*from_here, direction.take(above, axis=1), leaving.take(here, axis=1))
             seen[start + above] = ~occluded(stage.shapes, rays, distance[above] * (1 - SHORT))
-            count["penumbrae"] += above.size
+            cast.append(above.size)
         return seen
 
     return looks

@@ -17,11 +17,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float
 
-from symrt.arrays import PerRay, dot, normalise
+from symrt.arrays import PerRay, dot, normalise, reflect
 from symrt.geometry.rays import Rays, spawn
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import CARRIED, Call, Effect, Sent
-from symrt.tracing.factors import reflect
 from symrt.tracing.raytree import MaterialRecord, Points
 from symrt.tracing.refracting import Interface, interface
 from symrt.tracing.stage import Alternatives, Stage, refracting

@@ -3,8 +3,6 @@
 Without them surfaces are too bright by at most the light that reaches them: that is the bound where they are left out.
 """
 
-from collections import Counter
-
 import numpy as np
 
 from symrt.geometry.meeting import occluded
@@ -45,14 +43,12 @@ def _visible(
     light: Light,  # noqa: ARG001  all lights are hidden alike
     hit: Which,
     at: Illumination,
-    count: Counter[str],
 ) -> Passed:
     """1 for each of the given hits that nothing hides from a place of a light, else 0."""
     surface = view.surface
     place = surface.point.take(hit, axis=1), view.normal.take(hit, axis=1), surface.error[hit]
     rays = spawn(*place, at.towards, view.leaving.take(hit, axis=1))
-    count["shadows"] += hit.size
-    return Passed(np.where(occluded(stage.shapes, rays, at.distance), 0.0, 1.0))
+    return Passed(np.where(occluded(stage.shapes, rays, at.distance), 0.0, 1.0), rays=hit.size)
 
 
 SHADOWS = Effect("shadows", _call, arriving=_visible)
