@@ -1,5 +1,6 @@
 """Tiles and workers change nothing: `render` gives the bits of `collapse(trace(scene))`."""
 
+import platform
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -135,3 +136,15 @@ def test_branches_that_mostly_leave_the_scene_do_not_make_tiles_tiny():
     assert cast <= expected <= 16 * cast
     x0, y0, x1, y1 = tiles(256, 256, 1, expected)[0]
     assert (x1 - x0) * (y1 - y0) >= 1 << 13
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other allocators keep memory anyway")
+def test_a_render_takes_the_memory_that_the_one_before_let_go():
+    # Page by page it would be some 4,000 faults a render.
+    resource = pytest.importorskip("resource")
+    scene, faults = small("first", 256), []
+    for _ in range(4):
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+        rt.render(scene, workers=1, progress=False)
+        faults.append(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+    assert min(faults[1:]) < 1000
