@@ -27,7 +27,7 @@ def faults(system: LinearSystem) -> Iterator[str]:
 def _wrong_names(system: LinearSystem, tail: Tail) -> Iterator[str]:
     """Names against the rule for scene files, and against each other."""
     # Every name that occurs.
-    columns = (*system.interactions, *tail.interactions)
+    columns = (*system.interactions, *tail.interactions, *tail.gathered)
     shares = (*tail.reflected, *tail.passed)
     met = {name for i in columns for name in i.names[1:]} | {name for s in shares for names, _ in s for name in names}
     symbols = [Symbol.of(name) for name in met if OF_MATERIAL.fullmatch(name)]
@@ -101,6 +101,8 @@ def _wrong_numbers(system: LinearSystem, tail: Tail) -> Iterator[str]:
     for name, count in system.counts.effects.items():
         if not 0 <= count.seconds < np.inf:
             yield f"the seconds of {name} are {count.seconds}: not a number from 0"
+    if not all(np.isfinite(sums).all() for sums in tail.gathered.values()):
+        yield "the sums of gathered light are not finite"
     if not np.all(np.isfinite(system.G.data)):
         yield "the coefficients of G are not finite float64 numbers"
     # A bound on what was cut off may be infinite: nothing is known then.

@@ -4,7 +4,7 @@ A file is believed no more than a scene file is: every name, index, shape and nu
 rule and against the others, before a system is made of them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ LARGEST = 8 << 30
 """Bytes that the arrays of a file may unpack to; a file that claims more is refused before it is read."""
 KEYS = ("height", "width", "interactions", "tail", "reflected", "passed", "white", "models", "parameters", "seconds")
 """Of the header, beside those that every file of ours has."""
-TOLD = ("errors", "noise", "counts", "lengths", "fluorescent")
+TOLD = ("errors", "noise", "counts", "lengths", "fluorescent", "gathered")
 """Of the header, where there is any of it."""
 ARRAYS = frozenset(f"{name}_{part}" for name in ("G", "tail") for part in ("data", "indices", "indptr"))
 
@@ -84,17 +84,7 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         header["interpolated"] = [[place[i], list(names)] for i, names in system.interpolated.items()]
     some = {"subtracting": system.subtracting, "glowing": system.glowing, "fluorescent": tail.fluorescent}
     header |= {name: list(names) for name, names in some.items() if names}
-    if system.errors:
-        header["errors"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.errors.items()}
-    if system.counts.effects:
-        header["counts"] = {
-            "pixels": system.counts.pixels,
-            "effects": [[n, c.rays, c.seconds, c.pixels, dict(c.ways)] for n, c in system.counts.effects.items()],
-        }
-    if system.noise:
-        header["noise"] = {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in system.noise.items()}
-    if system.lengths:
-        header["lengths"] = {name: [lengths.a_decade, lengths.scheme] for name, lengths in system.lengths.items()}
+    header |= dict(_told(system, tail))
     arrays: dict[str, np.ndarray] = {}
     for name, matrix in (("G", system.G), ("tail", tail.bound)):
         arrays |= {
@@ -103,6 +93,20 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
             f"{name}_indptr": matrix.indptr.astype(np.int64),
         }
     return header, arrays
+
+
+def _told(system: LinearSystem, tail: Tail) -> Iterator[tuple[str, Any]]:
+    """The parts of the header that are there where there is any of them."""
+    for key, estimates in (("errors", system.errors), ("noise", system.noise)):
+        if estimates:
+            yield key, {name: [e.count, e.rms.hex(), e.largest.hex()] for name, e in estimates.items()}
+    if system.counts.effects:
+        effects = [[n, c.rays, c.seconds, c.pixels, dict(c.ways)] for n, c in system.counts.effects.items()]
+        yield "counts", {"pixels": system.counts.pixels, "effects": effects}
+    if tail.gathered:
+        yield "gathered", [[row_of(i), [float(c).hex() for c in sums]] for i, sums in tail.gathered.items()]
+    if system.lengths:
+        yield "lengths", {name: [lengths.a_decade, lengths.scheme] for name, lengths in system.lengths.items()}
 
 
 def load_system(path: str | Path) -> LinearSystem:
@@ -137,6 +141,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
     fluorescent = tuple(map(text_of, list_of(header.get("fluorescent", []))))
     if tail is None and (reflected or passed or fluorescent):
         raise ValueError("nothing was cut off, but there are shares of it")
+    gathered = _gathered(header.get("gathered", []))
     system = LinearSystem(
         G=_matrix(arrays, "G", height * width, len(interactions)),
         interactions=interactions,
@@ -145,7 +150,7 @@ def unpacked(arrays: dict[str, np.ndarray], header: Mapping[str, Any]) -> Linear
         white={name: float.fromhex(text_of(v)) for name, v in table_of(header["white"])},
         models={name: text_of(v) for name, v in table_of(header["models"])},
         parameters=_parameters(header["parameters"]),
-        tail=None if tail is None else Tail(bound, tail, reflected, passed, fluorescent),
+        tail=None if tail is None else Tail(bound, tail, reflected, passed, fluorescent, gathered),
         seconds={name: number_of(v) for name, v in table_of(header["seconds"])},
         interpolated=_interpolated(header.get("interpolated", []), interactions),
         subtracting=tuple(map(text_of, list_of(header.get("subtracting", [])))),
@@ -217,6 +222,15 @@ def _shares(rows: list[Any]) -> tuple[Shares, ...]:
         tuple((tuple(map(text_of, list_of(met))), float.fromhex(text_of(c))) for met, c in list_of(shares))
         for shares in list_of(rows)
     )
+
+
+def _gathered(rows: list[Any]) -> dict[Interaction, tuple[float, ...]]:
+    pairs = [list_of(row) for row in list_of(rows)]
+    columns = columns_of([column for column, _ in pairs])
+    if len(set(columns)) < len(columns):
+        raise ValueError("a column of gathered light is told of twice")
+    sums = (tuple(float.fromhex(text_of(c)) for c in list_of(numbers)) for _, numbers in pairs)
+    return dict(zip(columns, sums, strict=True))
 
 
 def _matrix(arrays: dict[str, np.ndarray], name: str, rows: int, columns: int) -> sparse.csr_array:

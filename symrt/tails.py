@@ -1,6 +1,7 @@
 """Bounds of what a trace cut off, which a system carries beside its G (between steps 2 and 3)."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from scipy import sparse
 
@@ -30,6 +31,9 @@ class Tail:
         The same of materials that no light shines on.
     fluorescent
         The scene's fluorescent reflectances, which move light from band to band: what was cut off may have met them.
+    gathered
+        Of columns of G, their coefficients summed over all pixels, by the number of times that diffusers sent the light
+        on to each other: from how it falls off what is missing is estimated.
     """
 
     bound: sparse.csr_array
@@ -37,3 +41,4 @@ class Tail:
     reflected: tuple[Shares, ...] = ()
     passed: tuple[Shares, ...] = ()
     fluorescent: tuple[str, ...] = ()
+    gathered: Mapping[Interaction, tuple[float, ...]] = field(default_factory=dict)

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from symrt.errors import require
 from symrt.interactions import Interaction
+from symrt.linear.bounces import Bounces
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import Glowing, Index, Lighted, Lost, Pairs, ends
@@ -93,6 +94,7 @@ class Gathering:
     windows: tuple[SpectralWindow, ...] = ()
     entries: Entries = field(default_factory=Entries)
     tail: Entries = field(default_factory=Entries)
+    bounces: Bounces = field(default_factory=Bounces)
 
 
 def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSystem:
@@ -116,7 +118,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
     halves = tree.film.half is not None
     rows = tree.width * tree.height * (2 if halves else 1)
     (matrix, interactions), (bound, unseen) = assemble(found.entries, rows), assemble(found.tail, rows)
-    drawn = noise(matrix, interactions, tree.white) if halves else {}
+    drawn = noise(matrix, interactions, tree.white) if halves else found.bounces.noise(tree.white)
     matrix, bound = (joined(matrix), joined(bound)) if halves else (matrix, bound)
     limits = program.limits
     reflected, passed = (
@@ -132,7 +134,7 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
         models=program.signatures,
         parameters=program.nodes,
         subtracting=limits.subtracting,
-        tail=Tail(bound, unseen, reflected, passed, limits.fluorescent),
+        tail=Tail(bound, unseen, reflected, passed, limits.fluorescent, found.bounces.sums()),
         errors=tree.errors,
         counts=tree.counts,
         noise=drawn,
@@ -146,9 +148,12 @@ def _add(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: 
     columns, which = _within(found, columns, pairs)
     if not pairs.inside or found.clear:
         found.entries.add(columns, which, pairs.pixel, value)
+        found.bounces.add(columns, which, pairs, value)
         return
     parts = spread(columns, which, pairs.inside, found.program.lengths)
-    found.entries.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin] * parts.share)
+    shares = value[parts.origin] * parts.share
+    found.entries.add(parts.columns, parts.which, pairs.pixel[parts.origin], shares)
+    found.bounces.add(parts.columns, parts.which, pairs.of(parts.origin), shares)
 
 
 def _bound(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:

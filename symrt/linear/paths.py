@@ -115,6 +115,10 @@ class Pairs:
         The lengths of the path in absorbing materials.
     window
         The window of wavelengths of the path, −1 for all of them; None where there are none.
+    gathered, half
+        How often diffusers sent the path on to gather light and, of a path that they did, the half of all paths that it
+        belongs to: a number that is positive in one half and negative in the other, and 1 where the halves are as
+        large.  None where nothing is gathered.
     """
 
     which: Index
@@ -124,6 +128,8 @@ class Pairs:
     products: tuple[Monomial, ...]
     inside: Inside = field(default_factory=dict)
     window: Index | None = None
+    gathered: Index | None = None
+    half: Float[np.ndarray, " entry"] | None = None
 
     def of(self, some: Index) -> "Pairs":
         """Some of the pairs."""
@@ -136,6 +142,8 @@ class Pairs:
             value=self.value[some],
             inside=inside,
             window=None if self.window is None else self.window[some],
+            gathered=None if self.gathered is None else self.gathered[some],
+            half=None if self.half is None else self.half[some],
         )
 
 
@@ -166,6 +174,7 @@ class Glowing:
     """
 
     light: str
+    hit: Int[np.ndarray, " emitting"]
     pairs: Pairs
     bounded: bool
 
@@ -184,7 +193,7 @@ def ends(program: Program, tree: RayTree, product: Product) -> Iterator[Lighted 
     for level, below in zip_longest(tree.levels, tree.levels[1:]):
         # Light that reaches the eye from this level, and light of rays that were cut off there.
         pixel = tree.film.row[level.sample]
-        yield from _lights(level, paths, pixel)
+        yield from _told(_lights(level, paths, pixel), level, tree.paths)
         for branch in level.cut:
             for part in passing(program, level, branch, paths):
                 value = np.where(part.vanished, VANISHED, np.abs(part.value))
@@ -209,9 +218,24 @@ def _lights(level: Level, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Itera
         for lit in points.cut:
             yield Lighted(points, lit, _lighted(points, lit, paths, pixel), bounded=True)
     for emitted in level.emitted:
-        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=False)
+        yield Glowing(emitted.light, emitted.hit, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=False)
     for emitted in level.unlit:
-        yield Glowing(emitted.light, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=True)
+        yield Glowing(emitted.light, emitted.hit, _pairs(emitted.hit, emitted.radiance, paths, pixel), bounded=True)
+
+
+def _told(found: Iterator[Lighted | Glowing], level: Level, paths: int) -> Iterator[Lighted | Glowing]:
+    """The ends of paths with what they gathered, where any did."""
+    if level.gathered is None or level.path is None:
+        yield from found
+        return
+    # Each half's mean counts for half of the whole: of 7 paths the first 3 for 7/6 each, the others for 7/8.
+    first = paths // 2
+    sizes = np.array([paths / (2 * first) if first else 0.0, -paths / (2 * (paths - first)) if first else 0.0])
+    half = np.where(level.gathered > 0, sizes[(level.path >= first).astype(np.int64)], 0.0)
+    for end in found:
+        hit = end.points.hit[end.lit.point] if isinstance(end, Lighted) else end.hit
+        hit = hit[end.pairs.which]
+        yield replace(end, pairs=replace(end.pairs, gathered=level.gathered[hit], half=half[hit]))
 
 
 def _lighted(points: Points, lit: Lit, paths: Paths, pixel: Int[np.ndarray, " hit"]) -> Pairs:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 from scipy import sparse
@@ -29,6 +30,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
     errors: dict[str, Estimate] = {}
     counts = Counts()
     noise: dict[str, Estimate] = {}
+    gathered: dict[Interaction, list[float]] = {}
     for system in systems:
         if first is None:
             # What all have in common; of the first one's matrices nothing is kept.
@@ -38,6 +40,9 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         matrix.add(system.G, system.interactions)
         tail = system.tail or Tail(sparse.csr_array((system.height * system.width, 0)))
         bound.add(tail.bound, tail.interactions)
+        for column, sums in tail.gathered.items():
+            before = gathered.get(column, [])
+            gathered[column] = [a + b for a, b in zip_longest(before, sums, fillvalue=0.0)]
         for step, seconds in system.seconds.items():
             spent[step] = spent.get(step, 0.0) + seconds
         counts = counts.joined(system.counts)
@@ -54,7 +59,12 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
         interactions=interactions,
         width=width,
         height=height,
-        tail=replace(cut, bound=unseen, interactions=missing),
+        tail=replace(
+            cut,
+            bound=unseen,
+            interactions=missing,
+            gathered={column: tuple(sums) for column, sums in sorted(gathered.items())},
+        ),
         seconds=spent,
         errors=dict(sorted(errors.items())),
         counts=counts,

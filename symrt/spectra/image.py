@@ -28,6 +28,10 @@ class SpectralImage:
         For each band, a bound on what the depth limit, or an effect left out on request, took from any pixel or added
         to it, and on what products lost that underflowed; infinite where there is no certificate, because a material
         may reflect everything, a reflectance passes 1 or a light's irradiance is unknown; None if nothing was cut off.
+    missing
+        For each band, an estimate of the most that any pixel misses of light that goes from surface to surface more
+        often than it was followed, as it falls off from bounce to bounce; infinite where it does not fall off, None
+        where there is nothing to estimate from.
     seconds
         Time that shading took.
     """
@@ -36,6 +40,7 @@ class SpectralImage:
     bands: Bands
     whites: Mapping[str, Spectrum] = field(default_factory=dict)
     cut_off: Spectrum | None = None
+    missing: Spectrum | None = None
     seconds: float = 0.0
 
     def __repr__(self) -> str:
@@ -52,11 +57,13 @@ class SpectralImage:
         """The bound on what the depth limit cut off, in words."""
         if self.cut_off is None:
             return "nothing cut off"
+        known = self.missing is not None and np.isfinite(self.missing).all()
+        about = f", about {self.missing.max():.2g} by estimate" if known and self.missing is not None else ""
         if unbounded := int(np.isinf(self.cut_off).sum()):
-            return f"no certificate of the depth limit in {unbounded} bands: what is left has no bound"
+            return f"no certificate of the depth limit in {unbounded} bands: what is left has no bound{about}"
         if not self.cut_off.any():
             return "nothing cut off"
-        return f"radiance of at most {self.cut_off.max():.2g} cut off"
+        return f"radiance of at most {self.cut_off.max():.2g} cut off{about}"
 
     def _repr_png_(self) -> bytes | None:
         if self.bands.kind == "coordinate" or self.white is None:

@@ -76,6 +76,7 @@ def shade(
     spectra = gamma(system.interactions, palette) * node_weights(system, parameters or {})[:, None]
     vectors = None if basis is None else _vectors(basis, palette.bands)
     cut_off = None if system.tail is None else tail_bound(system.tail, palette)
+    missing = None if basis is not None else _missing(system, spectra)
     lost = vanished(system.interactions, spectra, palette)
     if lost.any():
         # Products of many reflectances may underflow to 0: what is lost is less than the smallest number, and is told.
@@ -90,8 +91,26 @@ def shade(
         bands=palette.bands if vectors is None else coordinates(len(vectors)),
         whites={} if vectors is not None else whites(system, palette),
         cut_off=cut_off,
+        missing=missing,
         seconds=time.perf_counter() - start,
     )
+
+
+def _missing(system: LinearSystem, spectra: Float[np.ndarray, "interaction band"]) -> Spectrum | None:
+    """An estimate of the most that a pixel misses of gathered light: bounce by bounce it falls off as it did before."""
+    gathered = {} if system.tail is None else system.tail.gathered
+    most = max(map(len, gathered.values()), default=0)
+    sums = np.array([[*(s := gathered.get(i, ())), *[0.0] * (most - len(s))] for i in system.interactions])
+    if most < 2 or not sums.any():
+        return None
+
+    # The light of the last two bounces in the whole picture, and of the last one in each pixel.
+    before, last = sums[:, -2] @ spectra, sums[:, -1] @ spectra
+    whole = sums.sum(axis=1)
+    part = np.divide(sums[:, -1], whole, out=np.zeros(len(whole)), where=whole > 0)
+    largest = system.times(spectra * part[:, None]).max(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(last <= 0, 0.0, np.where(last < before, largest * last / (before - last), np.inf))
 
 
 def check_names(system: LinearSystem, palette: Palette) -> None:

@@ -281,6 +281,8 @@ class RayTree:
         The effects that were simulated, and those that were not.
     rays
         Number of rays cast, by effect.
+    paths
+        Number of paths that gather light at each hit that the camera sees; 0 where none do.
     counts
         The rays, the pixels and the time of each effect that was simulated.
     windows
@@ -298,6 +300,7 @@ class RayTree:
     counts: Counts = field(default_factory=Counts)
     seconds: float = 0.0
     windows: tuple[SpectralWindow, ...] = ()
+    paths: int = 0
 
     @property
     def width(self) -> int:

@@ -112,6 +112,7 @@ def trace_window(stage: Stage, chosen: Plan, window: Bounds | None = None) -> Ra
         counts=tally.counts(),
         seconds=time.perf_counter() - start,
         windows=stage.windows,
+        paths=stage.interreflection.paths if stage.interreflection and "interreflection" in chosen else 0,
     )
 
 

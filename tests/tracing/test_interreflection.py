@@ -156,3 +156,48 @@ def test_bad_input_says_what_to_do():
             rt.Interreflection(**bad)
     with pytest.raises(ValueError, match=r"interreflection = 64: ask with a record, such as Interreflection\(paths=64"):
         cornell(interreflection=64)
+
+
+SHARES = (0.3, 0.5, 0.7, 0.9, 0.95)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 5])
+def test_in_a_furnace_the_estimate_is_what_is_missing(depth):
+    system = rt.render(ball(3, depth), progress=False)
+    for share in SHARES:
+        image = rt.shade(system, rt.Palette(rt.RGB, {"lamp": 4 * np.pi, "wall.diffuse": share}))
+        missing = share ** (depth + 2) / (1 - share)
+        np.testing.assert_allclose(image.missing, missing, rtol=1e-11)
+        # The bound is of walls that are white: too large by 1/ρ, and by nothing else.
+        np.testing.assert_allclose(image.cut_off, missing / share, rtol=0.01)
+        assert np.all(image.cut_off >= missing)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+def test_what_is_missing_is_estimated(depth, tmp_path):
+    # Against the same paths eight bounces deep; with walls of more than 0.7 even those miss much.
+    deep, cut = (rt.render(cornell(12, 8, d), progress=False) for d in (8, depth))
+    rt.save_system(tmp_path / "cut.npz", cut)
+    assert rt.load_system(tmp_path / "cut.npz").tail.gathered == cut.tail.gathered
+    for share in SHARES:
+        palette = coloured(**{f"{name}.diffuse": share for name in ("white", "red", "green")})
+        image = rt.shade(cut, palette)
+        missing = (rt.shade(deep, palette).values - image.values).max(axis=(0, 1))
+        assert np.all(missing <= 3 * image.missing)
+        assert np.all(image.missing <= (3 * missing if share <= 0.7 else image.cut_off))
+        assert "by estimate" in image.certificate
+
+
+def test_the_noise_told_is_that_of_other_paths(monkeypatch):
+    # Pixels by the same number of paths, drawn anew, differ by √2 times the noise that each tells of itself.
+    scene = cornell(16, 16, 2)
+    one = rt.render(scene, progress=False)
+    seeds = gathering.hashed
+    monkeypatch.setattr(gathering, "hashed", lambda numbers: seeds(numbers ^ np.uint64(1 << 60)))
+    other = rt.render(scene, progress=False)
+    assert one.interactions == other.interactions
+    difference = (one.G - other.G).sum(axis=1) / one.white["lamp"]
+    rms = math.sqrt(np.mean(difference[difference != 0] ** 2) / 2)
+    assert rms / 1.5 <= one.noise["lamp"].rms <= 1.5 * rms
+    assert "the noise of lamp is about" in repr(one)
+    assert rt.render(ball(1, 2), progress=False).noise == {}
