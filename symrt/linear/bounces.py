@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from symrt.estimates import Estimate
 from symrt.interactions import Interaction
-from symrt.linear.paths import Pairs
+from symrt.linear.ended import Pairs
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,10 @@ from jaxtyping import Float
 from symrt.errors import require
 from symrt.interactions import Interaction
 from symrt.linear.bounces import Bounces
+from symrt.linear.ended import Glowing, Index, Lighted, Lost, Pairs
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
-from symrt.linear.paths import Glowing, Index, Lighted, Lost, Pairs, ends
+from symrt.linear.paths import ends
 from symrt.linear.products import Product, around_fluorescence, commuting, in_order
 from symrt.linear.program import Free, Program, Values, make_program
 from symrt.linear.spreading import spread
