@@ -377,3 +377,44 @@ def egg(rows, columns, *, inwards=False):
             for face in ([(a, b, d)] if i < rows - 1 else []) + ([(a, d, c)] if i > 0 else []):
                 lines.append("f " + " ".join(f"{k}//{k}" for k in (face[::-1] if inwards else face)))
     return "\n".join(lines) + "\n"
+
+
+def test_fluorescent_paint_behind_tinted_glass_that_bends_wavelengths_apart(tmp_path):
+    # All three in one column: light meets the paint, goes through glass that takes of it, and each window its own way.
+    ball = {"type": "sphere", "centre": [0.1, 0.9, 2.2], "radius": 0.8, "material": "wine"}
+    materials = {"red": {"model": ["lambert", "fluorescent"]}, "floor": {"model": "lambert"}}
+    file = scene(BALL, ball, materials=materials | {"wine": {"model": ["glass", "absorption"], "glass": "N-SF6"}})
+    bell = {"peak": 420, "width": 90}
+    file |= {"windows": 3, "depth": 3, "camera": file["camera"] | {"width": 12, "height": 12}}
+    file["palettes"] = {
+        "nm": {
+            "bands": [380, 730, 50],
+            "sun": 2.0,
+            "lamp": bell | {"scale": 30},
+            "floor.diffuse": 0.4,
+            "red.diffuse": [0.1, 0.1, 0.1, 0.2, 0.5, 0.6, 0.6, 0.6],
+            "red.fluorescence": {"excitation": bell, "emission": bell | {"peak": 600}, "efficiency": 0.5},
+            "wine.transmittance": [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9],
+        }
+    }
+    path = tmp_path / "three.toml"
+    path.write_text(tomli_w.dumps(file))
+    system = rt.render(rt.load_scene(path), error=1e-13, lengths="chebyshev", progress=False)
+    assert any(i.window and i.powers and "red.fluorescence" in i.met for i in system.interactions)
+    palette = rt.load_palettes(path)["nm"]
+    seen = rt.shade(system, palette).values
+    np.testing.assert_allclose(seen, reference.render(path, "nm", 12, 12), rtol=1e-9, atol=1e-14)
+
+    # Formulas say the same, in letters and with numbers, and name the paint before the glass that it is seen through.
+    nm, tree = np.array(palette.bands.centres), rt.trace(rt.load_scene(path))
+    x, y = next((x, y) for y in range(12) for x in range(12) if _met(system, x, y))
+    for formula in (rt.formula(system, x, y), rt.formula(tree, x, y)):
+        values = formula.evaluate({name: palette[name] for name in formula.symbols}, nm=nm)
+        np.testing.assert_allclose(values, seen[y, x], rtol=1e-9)
+    assert "red.fluorescence*wine.transmittance**" in rt.formula(system, x, y).text()
+
+
+def _met(system, x, y):
+    """The columns of a pixel that have all three, if there are any."""
+    found = [i for i, _ in system.terms(12 * y + x)]
+    return [i for i in found if i.window and i.powers and "red.fluorescence" in i.met]

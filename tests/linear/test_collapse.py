@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from scenes_for_tests import every_scene, hall_of_mirrors, mirrors, small, two_materials
+from scenes_for_tests import camera, every_scene, hall_of_mirrors, mirrors, small, two_materials
 
 import symrt as rt
 from symrt.linear import collapse as collapse_module
@@ -171,3 +171,30 @@ def test_rows_are_pixels_from_the_top_left_and_columns_sorted():
     assert list(system.interactions) == sorted(system.interactions)
     assert collapse_module is not None
     assert system.G.has_sorted_indices
+
+
+def test_fluorescent_paint_that_sends_rays_on_through_tinted_glass_is_refused():
+    # Its light goes through the glass either before the paint or behind it, and columns do not tell.
+    glowing = rt.Model(reflected=mirror + reflectance("fluorescence"))
+    scene = rt.Scene(
+        camera=camera(8),
+        shapes=[
+            rt.Sphere(centre=(0, 0, 0), radius=1, material="wine"),
+            rt.Rectangle(centre=(0, 0, -2), edge_u=(9, 0, 0), edge_v=(0, 9, 0), material="sheet"),
+            rt.Rectangle(centre=(0, 0, 9), edge_u=(-9, 0, 0), edge_v=(0, 9, 0), material="wall"),
+        ],
+        materials=[
+            rt.Material("wine", model=["glass", "absorption"], index=1.3),
+            rt.Material("sheet", model=glowing),
+            rt.Material("wall", model="lambert"),
+        ],
+        lights=[rt.PointLight("lamp", position=(0, 3, 5))],
+    )
+    with pytest.raises(ValueError, match=r"sheet\.fluorescence sends light on .* force=\{'absorption': False\}"):
+        rt.collapse(rt.trace(scene))
+    assert rt.collapse(rt.trace(scene, force={"absorption": False})).reflectances
+
+
+def test_a_product_with_a_matrix_has_an_order_that_no_formula_tells():
+    with pytest.raises(ValueError, match="coat\\*fluorescence is a product with fluorescence"):
+        rt.Model(direct=reflectance("fluorescence") * reflectance("coat"))
