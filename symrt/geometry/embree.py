@@ -5,7 +5,8 @@ every edge a thin prism.  An edge function of a triangle in that ball is wrong b
 distance of a few ε|e|/|e'| where e' is the edge as the ray sees it.  A ray that crosses a triangle at a distance r from
 all of its edges sees every edge longer than 2r.  So r = √(2⁻²⁰|e|) is far enough: a ray that meets no prism before it
 meets a triangle has been decided with a margin.  Rays that meet a prism are handed back, for double precision to
-decide.
+decide.  That holds for rays from outside of the mesh: one that starts above a triangle may graze it without passing an
+edge.  And the distance to a triangle that is grazed is not to be trusted, only that it is met.
 """
 
 from dataclasses import dataclass

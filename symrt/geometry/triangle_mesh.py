@@ -185,23 +185,24 @@ def _with_embree(mesh: TriangleMesh, thickened: embree.Thickened, rays: Rays, lo
     step = 2.0**-12 * thickened.radius
     chosen, enter = _through_ball(thickened, rays, low)
 
-    # Near its start, where a ray may leave this very surface, single precision is of no use.
-    close = enter <= low
-    near = chosen[close]
-    _record(found, near, _nearest_between(mesh, rays[near], np.full(near.size, low), np.full(near.size, low + step)))
-    # Embree starts half a step earlier than that ends, so that rounding leaves no gap between them.
-    start = np.where(close, low + step / 2, enter)
-    left = found.primitive[chosen] < 0
-    chosen, start = chosen[left], start[left]
+    # A ray that starts in the midst of the mesh may start above a triangle that it meets at a grazing angle, and pass
+    # none of its edges: single precision puts that triangle anywhere, or misses it.
+    within = enter <= low
+    inside, chosen, enter = chosen[within], chosen[~within], enter[~within]
+    _record(
+        found, inside, _nearest_between(mesh, rays[inside], np.full(inside.size, low), np.full(inside.size, np.inf))
+    )
 
-    seen = embree.first_seen(thickened, rays[chosen], start)
+    seen = embree.first_seen(thickened, rays[chosen], enter)
     chosen, seen = chosen[seen != embree.NOTHING], seen[seen != embree.NOTHING]
     part = rays[chosen]
     depth = np.full(chosen.size, np.inf)
     named = np.flatnonzero(seen >= 0)
     depth[named] = triangles.crossings(mesh.corners, mesh.unit_normals, part, named, seen[named])
-    # Surfaces within a step of the one that is named, single precision may have put in the wrong order.
-    sure = (depth > low) & (depth < np.inf)
+    # Surfaces within a step of the one that is named, single precision may have put in the wrong order; those that are
+    # grazed, anywhere: a few 2⁻²⁴ of the radius, over the cosine, is less than a step from 2⁻⁸ on.
+    cosine = np.abs(dot(mesh.unit_normals.take(np.maximum(seen, 0), axis=1), part.direction))
+    sure = (depth > low) & (depth < np.inf) & (cosine >= 2.0**-8)
     first, last = np.where(sure, np.maximum(depth - step, low), low), np.where(sure, depth, np.inf)
     _record(found, chosen, _nearest_between(mesh, part, first, last))
     return found

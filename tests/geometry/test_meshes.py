@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 from geometry.both import intersect, nearest
-from geometry.oracles import digits, directions, inner, minus, outer, rational, rays, ulps
+from geometry.oracles import across, digits, directions, inner, minus, outer, rational, rays, ulps
 from geometry.shapes import from_trimesh, icosphere, random_mesh, star, torus
 
+from symrt import geometry
 from symrt.geometry import TriangleMesh, clearance, encloses, surfaces, translate, triangles
 
 needs_embree = pytest.mark.skipif(importlib.util.find_spec("embreex") is None, reason="embreex is not installed")
@@ -284,3 +285,37 @@ def test_triangles_that_cannot_be_are_refused(change, said):
     }
     with pytest.raises(ValueError, match=said):
         TriangleMesh(**(good | change))
+
+
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(2, 40))])
+def test_what_is_grazed_is_not_left_to_single_precision(seed):
+    # Large triangles in pairs: one that rays graze, from above it or from outside, and one across their way, a little
+    # further or nearer.  Single precision may see the first anywhere along the ray, or not at all.
+    generator = np.random.default_rng(seed)
+    corners, origins, ways = [], [], []
+    for _ in range(40):
+        place, size = 0.25 * generator.normal(size=3), 10 ** generator.uniform(-1.5, -0.2)
+        up = directions(generator, 1)
+        along = across(generator, up)
+        up, along, aside = up[:, 0], along[:, 0], np.cross(up, along, axis=0)[:, 0]
+        shift, gap = generator.uniform(-0.2, 0.2) * size, 2.0 ** generator.uniform(-14, -2)
+        other = place + (shift + gap) * along
+        for middle, right, top in ((place, along, aside), (other, aside, up)):
+            corners += [middle + size * (x * right + y * top) for x, y in ((-1, -0.6), (1, -0.6), (0, 1))]
+        count = 25
+        angle = 2.0 ** generator.uniform(-30, -5, count) * generator.choice([-1, 1], count)
+        way = np.cos(angle) * along[:, None] - np.sin(angle) * up[:, None]
+        target = (place + shift * along)[:, None] + 0.1 * size * generator.uniform(-1, 1, count) * aside[:, None]
+        origins.append(target - 10 ** generator.uniform(-2, 0.3, count) * way)
+        ways.append(way / np.sqrt((way * way).sum(axis=0)))
+    vertices, seen = np.array(corners).T, rays(np.concatenate(origins, axis=1), np.concatenate(ways, axis=1))
+    faces = np.arange(vertices.shape[1]).reshape(-1, 3).T
+
+    # Each triangle by itself, without Embree or a hierarchy.
+    nearest_one = np.full(len(seen), np.inf)
+    for face in faces.T:
+        alone = TriangleMesh(vertices[:, face], np.array([[0], [1], [2]]), ("a",))
+        nearest_one = np.minimum(nearest_one, geometry.intersect(alone, seen).distance)
+    found = intersect(TriangleMesh(vertices, faces, ("a",)), seen)
+    np.testing.assert_array_equal(found.distance, nearest_one)
+    assert np.isfinite(nearest_one).mean() > 0.5
