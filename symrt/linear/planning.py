@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from symrt.linear.collapse import run
+from symrt.linear.energy import brightening
 from symrt.linear.program import Program, Values, make_program
 from symrt.linear.tiles import tiles
 from symrt.scene.records import Scene
@@ -81,6 +82,7 @@ def plan(
     (True, True)
     """
     chosen = first_plan(scene, alternatives, force=force, tolerance=tolerance)
+    chosen = replace(chosen, remarks=(*chosen.remarks, *brightening(scene)))
     if tolerance is None and not probe:
         return chosen
     stage = make_stage(scene, alternatives)
