@@ -11,12 +11,13 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from symrt.arrays import normalise
+from symrt.arrays import normalise, reflect
 from symrt.linear.compiled import Compiled, compile_formula
 from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL
 from symrt.scene.records import Scene
-from symrt.tracing.factors import factors, reflect
+from symrt.symbols import halves
+from symrt.tracing.factors import factors
 
 ROUNDING = 2e-3
 """Share above 1 that passes for none: integrals err by less."""
@@ -97,5 +98,5 @@ def _largest(
     found = [(0.0, "")]
     for alone in ("", *sorted({name for (met, _), _ in terms for name in met})):
         values = sum((c for (met, _), c in terms if set(met) <= {alone}), np.zeros(size))
-        found.append((float(values.max() if weight is None else np.sum(weight * values)), alone.rpartition(".")[2]))
+        found.append((float(values.max() if weight is None else np.sum(weight * values)), halves(alone)[1]))
     return max(found)

@@ -13,7 +13,7 @@ from symrt.scene.surface_lights import SurfaceLight
 from symrt.tracing import effects
 from symrt.tracing.effects.effect import CARRIED, Call, Effect
 from symrt.tracing.plan import ON_REQUEST, TOLERANCE, Plan, Planned, Status
-from symrt.tracing.stage import Alternatives
+from symrt.tracing.stage import Alternatives, checked_alternatives
 
 MOST_HITS = 16
 """Hits that a sample is expected to have: rays that branch at each of many levels mostly leave the scene before."""
@@ -37,7 +37,7 @@ def first_plan(
     not called for: penumbrae, mirrors, ...
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
-    force, alternatives = force or {}, alternatives or {}
+    force, alternatives = force or {}, checked_alternatives(scene, alternatives or {})
     tolerance = TOLERANCE if tolerance is None else _checked(tolerance)
     known = {effect.name for effect in effects.EFFECTS}
     refuse(

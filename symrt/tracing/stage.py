@@ -92,7 +92,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     # Bind each model to its material.
     _check_closed(scene, loaded)
-    alternatives = _checked_alternatives(scene, alternatives or {})
+    alternatives = checked_alternatives(scene, alternatives or {})
     materials, sending = _materials(scene, alternatives), _sending(scene, alternatives)
 
     # Move everything to the camera.
@@ -204,7 +204,7 @@ def _sending(scene: Scene, alternatives: Alternatives) -> dict[str, tuple[str, .
     return found
 
 
-def _checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternatives:
+def checked_alternatives(scene: Scene, alternatives: Alternatives) -> Alternatives:
     """The alternatives, each one once, if every name is a material's."""
     known = [m.name for m in scene.materials]
     for material, others in alternatives.items():
