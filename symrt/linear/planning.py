@@ -102,13 +102,14 @@ def thrifty(
         return chosen
     program = make_program(stage.materials, values, gathered=at_work(chosen).gathered)
     asked = [effect.name for effect in chosen.effects if effect.simulated and effect.optional]
-    whole = _coarse(chosen, stage, program, FEW)
-    each = {name: _missed(whole, _coarse(chosen.without(name), stage, program, FEW))[0] for name in asked}
+    coarse = _coarse(stage, chosen, FEW)
+    whole = _rendered(coarse, chosen, program)
+    each = {name: _missed(whole, _rendered(coarse, chosen.without(name), program))[0] for name in asked}
     for name in sorted(asked, key=lambda name: (each[name], name)):
         # An effect that no ray of the coarse render met may still be all of a pixel's light.
         if each[name] > 0 and not force.get(name):
             less = chosen.without(name, f"without it pixels miss less than the tolerance, {100 * tolerance:.2g}%")
-            if _missed(whole, _coarse(less, stage, program, FEW))[0] < tolerance:
+            if _missed(whole, _rendered(coarse, less, program))[0] < tolerance:
                 chosen = less
     return chosen
 
@@ -117,7 +118,8 @@ def _expectation(chosen: Plan, stage: Stage) -> Expectation:
     """The expected costs of all effects that are simulated, and what pixels miss without those that may be left out."""
     # Coarse renders: the first pays for what is paid once.
     program = make_program(stage.materials, gathered=at_work(chosen).gathered)
-    few, many = ([_coarse(chosen, stage, program, rays) for _ in range(REPEATED)] for rays in (FEW, MANY))
+    coarse, finer = (_coarse(stage, chosen, size) for size in (FEW, MANY))
+    few, many = ([_rendered(one, chosen, program) for _ in range(REPEATED)] for one in (coarse, finer))
     small, large = few[0].counts, many[0].counts
 
     # Coarse renders without an effect, or with one that was left out.
@@ -125,7 +127,7 @@ def _expectation(chosen: Plan, stage: Stage) -> Expectation:
     for effect in chosen.called_for:
         if effect.optional:
             other = chosen.without(effect.name) if effect.simulated else chosen.restored(effect.name)
-            system = _coarse(other, stage, program, FEW)
+            system = _rendered(coarse, other, program)
             missed[effect.name] = _missed(few[0], system)
             certified[effect.name] = _certified(system if effect.simulated else few[0])
 
@@ -138,9 +140,9 @@ def _expectation(chosen: Plan, stage: Stage) -> Expectation:
         rays, seconds = 0, 0.0
         if name in large.effects:
             rays = round(large.effects[name].rays * pixels / large.pixels)
-            coarse, fine = (min(one.counts.effects[name].seconds for one in systems) for systems in (few, many))
-            a_pixel = max(0.0, (fine - coarse) / (large.pixels - small.pixels))
-            seconds = a_pixel * pixels + max(0.0, coarse - a_pixel * small.pixels) * count
+            less, more = (min(one.counts.effects[name].seconds for one in systems) for systems in (few, many))
+            a_pixel = max(0.0, (more - less) / (large.pixels - small.pixels))
+            seconds = a_pixel * pixels + max(0.0, less - a_pixel * small.pixels) * count
         most, mean = missed.get(name, (None, None))
         found[name] = Expected(rays, seconds, most, mean, certified.get(name))
     return Expectation(found, large.effects[CAMERA].rays, small.pixels)
@@ -205,11 +207,14 @@ def _sum(shares: Shares, reflectance: float) -> float:
     return sum(most * reflectance ** len(met) for met, most in shares)
 
 
-def _coarse(chosen: Plan, stage: Stage, program: Program, size: tuple[int, int]) -> LinearSystem:
-    """The system of a coarse render of so many pixels, or less where each of them takes many rays."""
+def _coarse(stage: Stage, chosen: Plan, size: tuple[int, int]) -> Stage:
+    """The stage with a film of so many pixels, or of less where the plan expects many rays for each of them."""
     most, least = size
     camera = stage.camera
     pixels = max(least, most * min(1.0, RAYS / (camera.rays_a_pixel * chosen.rays_a_sample)))
     across = max(1, round((pixels * camera.width / camera.height) ** 0.5))
-    coarse = replace(camera, width=across, height=max(1, round(pixels / across)))
-    return run(program, trace_window(replace(stage, camera=coarse), chosen))
+    return replace(stage, camera=replace(camera, width=across, height=max(1, round(pixels / across))))
+
+
+def _rendered(stage: Stage, chosen: Plan, program: Program) -> LinearSystem:
+    return run(program, trace_window(stage, chosen))

@@ -14,6 +14,8 @@ from symrt.table import duration, html_table, percent, sentences, text_table
 
 HEAD = ("effect", "", "called for by", "rays at most")
 EXPECTED = ("effect", "", "called for by", "rays", "time", "without it pixels miss")
+MANY = 8
+"""Names beyond which a table shows a few of them only."""
 ON_REQUEST = "it was left out on request"
 
 TOLERANCE = 1e-3
@@ -60,7 +62,11 @@ class Planned:
     @property
     def row(self) -> tuple[str, str, str, str]:
         """The effect as a row of the plan's table."""
-        return self.name, self.state, ", ".join(self.called_by), self.rays
+        names = self.called_by
+        shown = ", ".join(names)
+        if len(names) > MANY:
+            shown = f"{', '.join(names[:3])} … {names[-1]}, {len(names)} in all"
+        return self.name, self.state, shown, self.rays
 
 
 @dataclass(frozen=True)

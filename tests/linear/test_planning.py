@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes_for_tests import camera, mirrors, small
+from scenes_for_tests import camera, lamps, mirrors, small
 
 import symrt as rt
 from symrt.reflection import diffuse, mirror, n_dot_l
@@ -106,6 +106,13 @@ def test_what_was_left_out_on_request_is_told_what_it_is_worth():
     flat = rt.plan(replace(scene, depth=0), probe=True)
     assert "mirrors" not in flat.expectation.effects
     assert "the depth is 0" in str(flat)
+
+
+def test_scenes_of_many_rays_are_probed_by_fewer_pixels():
+    expected = rt.plan(lamps(40), probe=True).expectation
+    assert expected.pixels < 16**2
+    assert expected.effects["shadows"].most > 0
+    assert "lamp0, lamp1, lamp2 … lamp39, 40 in all" in " ".join(str(rt.plan(lamps(40))).split())
 
 
 def test_a_plan_shows_itself_in_a_notebook():
