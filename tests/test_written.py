@@ -1,5 +1,7 @@
 """Systems that one writes down, settles and takes rows of."""
 
+import re
+
 import numpy as np
 import pytest
 from scenes_for_tests import every_scene, small
@@ -7,7 +9,11 @@ from scenes_for_tests import every_scene, small
 import symrt as rt
 from symrt.interactions import Interaction
 from symrt.system import LinearSystem
+from symrt.windows import SpectralWindow
 from symrt.written import written_terms
+
+WINDOW = re.compile(r"window\(nm, ([^,]+), ([^,]+), ([^)]+)\)")
+"""Windows as Python code has them."""
 
 
 @pytest.mark.parametrize("name", every_scene())
@@ -15,12 +21,16 @@ def test_what_formulas_say_is_read_back_as_the_system(name):
     system = rt.collapse(rt.trace(small(name, 12)))
     codes = [rt.formula(system, x, y).code() for y in range(12) for x in range(12)]
     # Code multiplies by matrices with a sign of its own.
-    texts = [code.rpartition("return ")[2].replace("@", "*") for code in codes]
+    texts = [WINDOW.sub(_window, code.rpartition("return ")[2].replace("@", "*")) for code in codes]
     names = {symbol.replace(".", "_"): symbol for symbol in system.symbols}
     written = [" + ".join(_named(term, names) for term in text.split(" + ")) for text in texts]
     back = LinearSystem.of(*written, white=system.white, width=12)
     columns = [back.interactions.index(i) for i in system.interactions]
     np.testing.assert_array_equal(back.G.toarray()[:, columns], system.G.toarray())
+
+
+def _window(found):
+    return str(SpectralWindow(*map(float, found.groups())))
 
 
 def _named(term, names):

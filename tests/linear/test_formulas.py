@@ -14,15 +14,20 @@ from scenes_for_tests import SCENES, every_scene, hall_of_mirrors, mirrors, pale
 
 import symrt as rt
 from symrt.linear.formulas import Formula
-from symrt.reflection.symbols import Factor, Light, Reflectance, lobe, n_dot_l, r_dot_v
+from symrt.reflection.symbols import Factor, Hat, Light, Reflectance, lobe, n_dot_l, r_dot_v
+from symrt.windows import SpectralWindow
 
 DIGITS = 50
 
 
-def at_50_digits(formula: Formula, spectra: dict[str, float]) -> mpmath.mpf:
-    """The formula's value from its float leaves, with nothing rounded on the way."""
+def at_50_digits(formula: Formula, spectra: dict[str, float], nm: float = math.nan) -> mpmath.mpf:
+    """The formula's value from its float leaves, with nothing rounded on the way, at one wavelength if it asks."""
     leaves = {Factor(name): sympy.Float(value, DIGITS) for name, value in formula.values.items()}
     leaves |= {s: sympy.Float(float(spectra[s.name]), DIGITS) for s in formula.expression.atoms(Light, Reflectance)}
+    at = np.array([nm])
+    leaves |= {
+        s: sympy.Float(float(SpectralWindow.of(s.name).weights(at)[0]), DIGITS) for s in formula.expression.atoms(Hat)
+    }
     exact = formula.expression.xreplace({f: sympy.Float(f, DIGITS) for f in formula.expression.atoms(sympy.Float)})
     return sympy.re(exact.xreplace(leaves).evalf(DIGITS))
 
@@ -76,7 +81,7 @@ def test_printed_formula_evaluates_to_the_shaded_pixel(name):
                     terms *= len(palette.bands)
                     exact = in_order_at_50_digits(formula, palette, band, chains)
                 else:
-                    exact = at_50_digits(formula, spectra)
+                    exact = at_50_digits(formula, spectra, palette.bands.centres[band])
                 above = sympy.Float(float(image[y, x, band]), DIGITS) - exact
                 rounding = max(4, terms) * np.spacing(image[y, x, band])
                 # Letters keep each length in glass; of a few nodes pixels are too bright, at most by what is told.
@@ -120,6 +125,7 @@ def test_python_code_runs_and_gives_the_pixel():
 @pytest.mark.parametrize("name", every_scene())
 def test_python_code_gives_every_lit_pixel(name):
     # Away from a highlight the cosine of a lobe is 0, and has no logarithm.
+    at_540 = np.array([540.0])
     tree = rt.trace(small(name, 24))
     system = rt.collapse(tree)
     for pixel in some_pixels(system, 60):
@@ -130,7 +136,10 @@ def test_python_code_gives_every_lit_pixel(name):
             # With a matrix the code takes arrays of all bands, here of one.
             matrices = any(symbol.endswith("fluorescence") for symbol in formula.symbols)
             ones = [np.ones((1,) * (1 + s.endswith("fluorescence"))) if matrices else 1.0 for s in formula.symbols]
-            assert namespace["pixel"](*ones) == pytest.approx(system.G[[pixel], :].sum(), rel=1e-13)
+            # Glass that bends wavelengths apart asks for one.
+            nm = {"nm": 540.0} if formula.expression.atoms(Hat) else {}
+            shares = [float(i.window.weights(at_540)[0]) if i.window else 1.0 for i in system.interactions]
+            assert namespace["pixel"](*ones, **nm) == pytest.approx((system.G[[pixel], :] @ shares)[0], rel=1e-13)
 
 
 @pytest.mark.parametrize("exponent", [0, 1])

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from reference.files import grid_of, load, load_palette, traced
 from reference.lenses import through_a_lens
@@ -11,16 +12,17 @@ from reference.tracer import radiance
 from reference.vectors import Vector, add, cross, dot, scale, sub, unit
 
 
-def render(path: str | Path, palette: str, width: int, height: int) -> list[list[Spectrum]]:
-    """A scene file under one of its palettes, as rows of pixels of bands, in a size of one's own.
+def render(path: str | Path, palette: str, width: int, height: int, **camera: Any) -> list[list[Spectrum]]:
+    """A scene file under one of its palettes, as rows of pixels of bands, in a size and with a camera of one's own.
 
     Where an index changes with the wavelength there is a picture for each of some wavelengths, and between two of them
     a mixture of theirs.
     """
     spectra, nodes, grid = load_palette(path, palette), traced(path), grid_of(path, palette)
+    scenes = [load(path, nm) for nm in nodes or [None]]
+    pictures = [picture(one._replace(camera=one.camera | camera), spectra, width, height) for one in scenes]
     if not nodes:
-        return picture(load(path), spectra, width, height)
-    pictures = [picture(load(path, nm), spectra, width, height) for nm in nodes]
+        return pictures[0]
     return [[mixed([one[y][x] for one in pictures], nodes, grid) for x in range(width)] for y in range(height)]
 
 

@@ -145,9 +145,12 @@ def test_every_palette_of_a_shipped_scene_gives_every_symbol_and_no_other(name):
 
 @pytest.mark.parametrize("name", every_scene())
 def test_shipped_scenes_have_the_palettes_that_the_examples_name(name):
-    palettes = {"first": "plain rgb", "metals": "rgb measured", "fluorescent": "rgb daylight blacklight"}.get(
-        name, "rgb macbeth"
-    )
+    palettes = {
+        "first": "plain rgb",
+        "metals": "rgb measured",
+        "fluorescent": "rgb daylight blacklight",
+        "prism": "daylight tube",
+    }.get(name, "rgb macbeth")
     tables = tomllib.loads(shipped_scene(name).read_text(encoding="utf-8"))["palettes"]
     assert set(tables) == set(palettes.split())
     for palette, table in tables.items():
