@@ -15,7 +15,7 @@ import typer
 import symrt as rt
 from symrt.commands.feedback import adapt, feasible, fit, map_pixels
 from symrt.commands.gamuts import gamut, report
-from symrt.commands.rendering import merge, render
+from symrt.commands.rendering import merge, render, settle
 from symrt.commands.saying import say
 from symrt.commands.scenes import demo, formula, gallery, plan, probe, shade
 
@@ -26,7 +26,23 @@ USAGE_ERROR: Any = next(kind for kind in reversed(typer.BadParameter.__mro__) if
 BAD_INPUT, INTERRUPTED = 2, 130
 LONGEST = 600
 """Letters of a fault's line; what was given may be longer."""
-COMMANDS = (plan, probe, render, merge, formula, shade, gamut, feasible, report, fit, adapt, map_pixels, gallery, demo)
+COMMANDS = (
+    plan,
+    probe,
+    render,
+    merge,
+    settle,
+    formula,
+    shade,
+    gamut,
+    feasible,
+    report,
+    fit,
+    adapt,
+    map_pixels,
+    gallery,
+    demo,
+)
 """In the order in which the help lists them."""
 
 

@@ -1,4 +1,4 @@
-"""Columns of systems in files: rows of texts and numbers (between steps 2 and 3)."""
+"""Columns of systems and nodes of parameters in files: rows of texts and numbers (between steps 2 and 3)."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,6 +7,7 @@ import numpy as np
 
 from symrt.headers import count_of, list_of, text_of
 from symrt.interactions import Interaction
+from symrt.nodes import Nodes
 from symrt.windows import EVERYWHERE, SpectralWindow
 
 
@@ -50,3 +51,18 @@ def wrong_lengths(interactions: tuple[Interaction, ...]) -> Iterator[str]:
         glasses = [name for name, _ in interaction.powers]
         if glasses != sorted(set(glasses)) or not all(0 < length < np.inf for _, length in interaction.powers):
             yield f"the lengths of {interaction} are not above 0, once for each glass, in their order"
+
+
+def nodes_row(nodes: Nodes) -> list[Any]:
+    """A parameter's nodes as a file has them; without a known error they are what they were before there were any."""
+    row: list[Any] = [nodes.parameter, nodes.low.hex(), nodes.high.hex(), nodes.count, nodes.scale]
+    told = [] if np.isinf(nodes.error) and nodes.around is None else [float(nodes.error).hex()]
+    return row + told + ([] if nodes.around is None else [nodes.around.hex()])
+
+
+def nodes_of(name: Any, low: Any, high: Any, count: Any, scale: Any, *told: Any) -> Nodes:
+    """The nodes that a row of a file names."""
+    ends = float.fromhex(text_of(low)), float.fromhex(text_of(high))
+    known = [float.fromhex(text_of(number)) for number in told]
+    error, around = known[0] if known else np.inf, known[1] if len(known) > 1 else None
+    return Nodes(text_of(name), *ends, count_of(count), text_of(scale), error, around)  # type: ignore[arg-type]  # Nodes checks it

@@ -7,11 +7,25 @@ import numpy as np
 from jaxtyping import Float
 
 MOST_NODES = 256
+FIRST_ORDER = "first order"
+SCALES = ("linear", "log", FIRST_ORDER)
 
 
 @dataclass(frozen=True)
 class Nodes:
     """Chebyshev nodes that make a nonlinear parameter linear: f(θ) = Σ_j ℓ_j(θ) f(θ_j).
+
+    Or first order, f(θ) = f(θ₀) + f′(θ₀) (θ − θ₀), whose two parts stand in the place of nodes.
+
+    Parameters
+    ----------
+    scale
+        ``log`` for nodes in the logarithm of the parameter, ``linear``, or ``first order``.
+    error
+        A bound on the error of each coefficient of a formula within the range: of radiance, per unit irradiance, and
+        for reflectances of 1.  Infinite if it is not known.
+    around
+        Of first order: θ₀.
 
     References
     ----------
@@ -22,14 +36,22 @@ class Nodes:
     low: float
     high: float
     count: int
-    scale: Literal["linear", "log"] = "log"
+    scale: Literal["linear", "log", "first order"] = "log"
+    error: float = np.inf
+    around: float | None = None
 
     def __post_init__(self) -> None:
         given = f"nodes of {self.parameter}: {self.count} in [{self.low}, {self.high}], {self.scale}"
         if not (np.isfinite(self.low) and np.isfinite(self.high) and self.low < self.high):
             raise ValueError(f"{given}: give a finite range, low below high")
-        if self.scale not in ("linear", "log") or (self.scale == "log" and self.low <= 0):
-            raise ValueError(f"{given}: the scale is 'linear', or 'log' for a range above 0")
+        if (self.around is not None) != (self.scale == FIRST_ORDER):
+            raise ValueError(f"{given}: first order is around a value, and nothing else is")
+        if self.around is not None and not (self.count == 2 and self.low <= self.around <= self.high):
+            raise ValueError(f"{given}: first order has two parts, around a value in the range, not {self.around}")
+        if not self.error >= 0:
+            raise ValueError(f"{given}: an error is 0 or more, not {self.error}")
+        if self.scale not in SCALES or (self.scale == "log" and self.low <= 0):
+            raise ValueError(f"{given}: the scale is 'linear', 'first order', or 'log' for a range above 0")
         if not 1 <= self.count <= MOST_NODES:
             raise ValueError(f"{given}: give 1 to {MOST_NODES} nodes")
 
@@ -42,7 +64,7 @@ class Nodes:
         return tuple(float(v) for v in (np.exp(t) if self.scale == "log" else t))
 
     def weights(self, value: float) -> Float[np.ndarray, " node"]:
-        """The Lagrange weights ℓ_j at a value; they sum to 1 and may be negative.
+        """The Lagrange weights ℓ_j at a value, which sum to 1 and may be negative; of first order 1 and θ − θ₀.
 
         Examples
         --------
@@ -51,7 +73,21 @@ class Nodes:
         """
         if not self.low <= value <= self.high:
             raise ValueError(f"{self.parameter} = {value}: the system was collapsed for [{self.low}, {self.high}]")
+        if self.around is not None:
+            return np.array([1.0, value - self.around])
         return self.all_weights(np.array([value]))[:, 0]
+
+    def error_at(self, value: float) -> float:
+        """The bound on the error at a value: first order errs by its share of the square of the distance.
+
+        Examples
+        --------
+        >>> Nodes("desk.gloss", 1.0, 3.0, 2, "first order", 0.5, 2.0).error_at(2.5)
+        0.125
+        """
+        if self.around is None:
+            return self.error
+        return self.error * ((value - self.around) / max(self.high - self.around, self.around - self.low)) ** 2
 
     def all_weights(self, values: Float[np.ndarray, " value"]) -> Float[np.ndarray, "node value"]:
         """The Lagrange weights at each of some values, which are not checked."""

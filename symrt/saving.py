@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from symrt.archives import Kind, read_archive, whole, write_archive
-from symrt.columns import columns_of, row_of
+from symrt.columns import columns_of, nodes_of, nodes_row, row_of
 from symrt.counts import Count, Counts
 from symrt.errors import shown
 from symrt.estimates import Estimate
@@ -75,7 +75,7 @@ def packed(system: LinearSystem) -> tuple[dict[str, Any], dict[str, np.ndarray]]
         "passed": [[[list(met), float(c).hex()] for met, c in shares] for shares in tail.passed],
         "white": {name: float(value).hex() for name, value in system.white.items()},
         "models": dict(system.models),
-        "parameters": [[n.parameter, n.low.hex(), n.high.hex(), n.count, n.scale] for n in system.parameters.values()],
+        "parameters": [nodes_row(nodes) for nodes in system.parameters.values()],
         "seconds": dict(system.seconds),
     }
     if system.interpolated:
@@ -175,14 +175,14 @@ def _check_keys(arrays: Mapping[str, np.ndarray], header: Mapping[str, Any]) -> 
 
 
 def _parameters(rows: list[Any]) -> dict[str, Nodes]:
-    found = {}
-    for name, low, high, count, scale in rows:
-        if text_of(name) in found:
-            raise ValueError(f"two parameters are called {shown(name)}")
-        if not OF_MATERIAL.fullmatch(name):
-            raise ValueError(f"a parameter is called {shown(name)}")
-        ends = float.fromhex(text_of(low)), float.fromhex(text_of(high))
-        found[name] = Nodes(name, *ends, count_of(count), text_of(scale))  # type: ignore[arg-type]  # Nodes checks it
+    found: dict[str, Nodes] = {}
+    for row in map(list_of, rows):
+        nodes = nodes_of(*row)
+        if nodes.parameter in found:
+            raise ValueError(f"two parameters are called {shown(nodes.parameter)}")
+        if not OF_MATERIAL.fullmatch(nodes.parameter):
+            raise ValueError(f"a parameter is called {shown(nodes.parameter)}")
+        found[nodes.parameter] = nodes
     return found
 
 

@@ -16,7 +16,7 @@ from symrt.counts import Counts
 from symrt.estimates import Estimate
 from symrt.interactions import Blocks, Interaction, blocks_of, settled, written
 from symrt.lengths import Lengths
-from symrt.nodes import Nodes
+from symrt.nodes import FIRST_ORDER, Nodes
 from symrt.symbols import Symbol
 from symrt.table import html_table
 from symrt.tails import Tail
@@ -139,8 +139,9 @@ class LinearSystem:
     def at(self, parameters: Mapping[str, float | int]) -> "LinearSystem":
         """The system with some of its free parameters at values: their nodes are summed, by their weights.
 
-        Interpolation weights may be negative, and so may sums of them be, by no more than the nodes' tolerance:
-        `signed` tells of which columns.
+        Interpolation weights may be negative, and so may sums of them be, by no more than the nodes' error.  Where that
+        error is known, and the model only adds, they are 0: nearer to what is true, and all questions have answers.
+        Other columns stay as they are, and `signed` tells of which.
 
         Raises
         ------
@@ -162,7 +163,6 @@ class LinearSystem:
             free = ", ".join(self.parameters) or "none"
             raise ValueError(f"not a free parameter: {', '.join(unknown)}; free are: {free}")
         weights = {name: self.parameters[name].weights(float(value)) for name, value in parameters.items()}
-
         left, interactions, to = settled(self.interactions, weights)
 
         # The parameters whose weights may have made a column negative, where nothing else had.
@@ -171,9 +171,13 @@ class LinearSystem:
         for before, after in zip(self.interactions, left, strict=True):
             by[after] |= {*self.interpolated.get(before, ()), *(name for name, _ in before.nodes if name in turning)}
         own = {after for before, after in zip(self.interactions, left, strict=True) if before in self._own_signs}
+        by = {i: set() if self._adding(names) and i not in own else names for i, names in by.items()}
+        matrix = (self.G @ to).tocsr()
+        settling = np.array([not by[i] and i not in own for i in interactions], dtype=bool)
+        matrix.data[settling[matrix.indices] & (matrix.data < 0)] = 0.0
         return replace(
             self,
-            G=(self.G @ to).tocsr(),
+            G=matrix,
             interactions=tuple(interactions),
             parameters={name: nodes for name, nodes in self.parameters.items() if name not in weights},
             interpolated={i: tuple(sorted(names)) for i, names in by.items() if names and i not in own},
@@ -259,12 +263,22 @@ class LinearSystem:
         for interaction in self.interactions:
             # The weight of a single node is always 1.
             free = [n for n, _ in interaction.nodes if n not in self.parameters or self.parameters[n].count > 1]
-            by = [*self.interpolated.get(interaction, ()), *free, *self._curved(interaction)]
+            by = dict.fromkeys([*self.interpolated.get(interaction, ()), *free, *self._curved(interaction)])
+            way = FIRST_ORDER if any(self._first_order(name) for name in by) else "interpolation"
             if interaction in self._own_signs:
                 found[interaction] = self._subtracted_by(interaction)
             elif interaction in self._negative or free:
-                found[interaction] = f"interpolation in {', '.join(by)}"
+                found[interaction] = f"{way} in {', '.join(by)}"
         return found
+
+    def _adding(self, parameters: Collection[str]) -> bool:
+        """True if the errors of parameters are known, and the models whose they are only add."""
+        return all(
+            name in self.parameters
+            and self.parameters[name].error < np.inf
+            and Symbol.of(name).material not in self.subtracting
+            for name in parameters
+        )
 
     @cached_property
     def _negative(self) -> frozenset[Interaction]:
@@ -277,8 +291,12 @@ class LinearSystem:
         return frozenset(i for i in self._negative if not (self.interpolated.get(i) or self._curved(i)))
 
     def _curved(self, interaction: Interaction) -> list[str]:
-        """The transmittances of a column whose lengths were spread with weights of both signs."""
-        return [n for n, _ in interaction.powers if n in self.lengths and self.lengths[n].scheme == "chebyshev"]
+        """Names of a column whose numbers are of both signs: of lengths by Chebyshev's weights, and of slopes."""
+        through = [n for n, _ in interaction.powers if n in self.lengths and self.lengths[n].scheme == "chebyshev"]
+        return through + [name for name, _ in interaction.nodes if self._first_order(name)]
+
+    def _first_order(self, parameter: str) -> bool:
+        return parameter in self.parameters and self.parameters[parameter].around is not None
 
     def _subtracted_by(self, interaction: Interaction) -> str:
         """The reason that a column has a negative coefficient: the models of some materials, or that it was written."""
@@ -309,9 +327,8 @@ class LinearSystem:
 
         Lights that are seen themselves do not count; where a reflectance is on the way, as in a mirror, they do.
         """
-        return self.pixels_of(
-            np.array([len(i.names) > 1 or i.light not in self.glowing for i in self.interactions], bool)
-        )
+        objects = [len(i.names) > 1 or i.light not in self.glowing for i in self.interactions]
+        return self.pixels_of(np.array(objects, bool))
 
     def __repr__(self) -> str:
         interactions = f"{len(self.interactions)} interactions"
@@ -322,7 +339,8 @@ class LinearSystem:
         errors = (f"; the share of {name} that is seen errs by {error}" for name, error in self.errors.items())
         noise = (f"; the noise of {name} is {error} of its white" for name, error in self.noise.items())
         way = (f"; lengths in {Symbol.of(n).material} err by at most {w.error:.2g}" for n, w in self.lengths.items())
-        return "".join((*errors, *noise, *way))
+        free = (f"; {n.parameter} errs by at most {n.error:.2g}" for n in self.parameters.values() if n.error < np.inf)
+        return "".join((*errors, *noise, *way, *free))
 
     def _repr_html_(self) -> str:
         pixels = np.bincount(self.G.indices, minlength=len(self.interactions))

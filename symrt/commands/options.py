@@ -106,10 +106,19 @@ Thrift = Annotated[
         help="Rays that carry less of their sample's light are not followed, 0.001; what is lost is bounded.",
     ),
 ]
+Freed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--free",
+        metavar="NAME[=LOW,HIGH]",
+        help="Keep a parameter free, as brass.exponent=10,160, or brass.exponent=first-order,36,44; see settle.",
+    ),
+]
 InterpolationError = Annotated[
     float | None,
     typer.Option(
-        "--error", help="Largest error of interpolated lengths of absorbing glass, 0.001, as a share of light."
+        "--error",
+        help="Largest error of free parameters, and of lengths of absorbing glass, 0.001 as a share of light.",
     ),
 ]
 LengthScheme = Annotated[

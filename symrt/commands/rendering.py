@@ -10,6 +10,7 @@ import typer
 import symrt as rt
 from symrt.commands import options as option
 from symrt.commands.arguments import pairs_of, scene_of
+from symrt.commands.freeing import free_of, values_of
 from symrt.commands.outputs import apart, writable
 from symrt.commands.saying import say
 from symrt.errors import shown
@@ -34,6 +35,7 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
     ] = None,
     without: option.Without = None,
     tolerance: option.Thrift = None,
+    free: option.Freed = None,
     error: option.InterpolationError = None,
     lengths: option.LengthScheme = "hats",
     workers: Annotated[
@@ -57,7 +59,13 @@ def render(  # noqa: PLR0913, PLR0917  # a command names its options
     """
     # Words that cannot be obeyed are refused before any work.
     how: dict[str, Any] = {"alternatives": pairs_of(alternative or ()), "force": dict.fromkeys(without or (), False)}
-    how |= {"tolerance": tolerance, "error": error, "lengths": lengths, "workers": _workers(workers)}
+    how |= {
+        "free": free_of(free or ()),
+        "tolerance": tolerance,
+        "error": error,
+        "lengths": lengths,
+        "workers": _workers(workers),
+    }
     numbers = None if part is None else _part(part)
     if numbers is not None and out is None and not dry_run:
         raise ValueError(f"--part {part}: name the folder that the parts go to, such as --out parts")
@@ -90,12 +98,28 @@ def merge(
     _save(out, rt.merge_parts(folder), as_json)
 
 
+def settle(
+    system: Annotated[str, typer.Argument(metavar="SYSTEM", help="A system with free parameters (.npz).")],
+    values: Annotated[list[str], typer.Argument(metavar="NAME=VALUE...", help="Such as brass.exponent=40.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Where the system goes (.npz).")],
+    as_json: option.Json = False,
+) -> None:
+    """Give free parameters of a system their values, without rendering: every other command takes what it writes.
+
+    Example: symrt settle free.npz brass.exponent=40 --out globe.npz
+    """
+    out = writable(out, ".npz", form="symrt-system")
+    apart({"--out": out}, [system])
+    _save(out, rt.load_system(system).at(values_of(values)), as_json)
+
+
 def _save(out: Path, system: "LinearSystem", as_json: bool) -> None:
     rt.save_system(out, system)
     record = {"system": str(out), "width": system.width, "height": system.height}
     record |= {"interactions": [str(i) for i in system.interactions], "coefficients": int(system.G.nnz)}
     record |= {"errors": {light: asdict(error) for light, error in system.errors.items()}}
     record |= {"counts": {name: asdict(count) for name, count in system.counts.effects.items()}}
+    record |= {"parameters": {name: asdict(nodes) for name, nodes in system.parameters.items()}}
     record |= {"lengths": {name: asdict(how) | {"error": how.error} for name, how in system.lengths.items()}}
     seconds = ", ".join(f"{name} {spent:.2f} s" for name, spent in system.seconds.items())
     if as_json:

@@ -27,6 +27,7 @@ from symrt.spectra.hats import hats
 from symrt.spectra.palette import Palette
 from symrt.spectra.powers import power_of
 from symrt.spectra.products import gamma
+from symrt.symbols import Symbol
 from symrt.system import LinearSystem
 
 Gamma = Float[np.ndarray, "_ band"]
@@ -247,7 +248,12 @@ def check_settled(system: LinearSystem) -> None:
     >>> column = Interaction("sun", ("brass.specular",), (("brass.exponent", 0),))
     >>> check_settled(LinearSystem(sparse.csr_array([[0.5]]), (column,), 1, 1, {"sun": 1.0}))
     Traceback (most recent call last):
-    ValueError: the system keeps brass.exponent free: give values, collapse(tree, values={…}), first
+    ValueError: the system keeps brass.exponent free: give values, collapse(tree, values={…}), or system.at({…}), first
     """
     if free := sorted({name for i in system.interactions for name, _ in i.nodes}):
-        raise ValueError(f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), first")
+        of = sorted({Symbol.of(name).material for name in free} & set(system.models))
+        models = "".join(f"; the model of {name}: {system.models[name]}" for name in of)
+        raise ValueError(
+            f"the system keeps {', '.join(free)} free: give values, collapse(tree, values={{…}}), or system.at({{…}}), "
+            f"first{models}"
+        )

@@ -172,6 +172,8 @@ def limits(
     )
 
 
+UNSIGNED = "; or collapse with lengths = 'hats', whose weights are not negative"
+"""The way out where lengths in glass are interpolated by Chebyshev's weights."""
 OTHERWISE = "; or give the material a model that only adds, 'metal' for 'metal_f82'"
 """The way out of questions that negative coefficients stop, for whoever made the scene."""
 
@@ -202,6 +204,7 @@ def rising_limits(
         raise ValueError(
             f"{column} has negative coefficients ({system.signed[column]}), so that a scale can darken a pixel: ask "
             f"for one scale at a time, with feasible{OTHERWISE if system.subtracting else ''}"
+            f"{UNSIGNED if any(how.scheme == 'chebyshev' for how in system.lengths.values()) else ''}"
         )
     return asked
 

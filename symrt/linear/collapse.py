@@ -16,11 +16,12 @@ from symrt.errors import require
 from symrt.interactions import Interaction
 from symrt.linear.bounces import Bounces
 from symrt.linear.ended import Glowing, Index, Lighted, Lost, Pairs
+from symrt.linear.freeing import Free
 from symrt.linear.halves import joined, noise
 from symrt.linear.matrix import Entries, assemble
 from symrt.linear.paths import ends
 from symrt.linear.products import Product, around_fluorescence, commuting, in_order
-from symrt.linear.program import Free, Program, Values, make_program
+from symrt.linear.program import Program, Values, make_program
 from symrt.linear.spreading import spread
 from symrt.reflection.models import LIT
 from symrt.system import LinearSystem
@@ -46,10 +47,11 @@ def collapse(
         New values of parameters, ``{"brass.exponent": 60}``: they cost a collapse, not a trace.
     free
         Parameters that stay free, by interpolation between nodes: their names, for a range from a quarter to four
-        times their value, or a mapping to ``(low, high)``.
+        times their value, or a mapping to ``(low, high)``; or to ``"first order"`` around their value, of any smooth
+        parameter, and within ``("first order", low, high)`` if a tenth to both sides is not what you want.
     error
         The largest error that interpolation may have: of lengths in absorbing glass 1e-3 if it is not given, a share of
-        the light that clear glass would let through; of free parameters 1e-6.
+        the light that clear glass would let through; of free parameters as of `Nodes.error`, which is told of each.
     lengths
         How the power of a transmittance for any length is made of a few: ``"hats"``, whose weights are never negative,
         or ``"chebyshev"``, which needs fewer nodes, but makes signed columns.

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from symrt.linear.functions import function_of
 from symrt.nodes import Nodes
 from symrt.reflection.polynomials import Monomial, monomials
-from symrt.reflection.symbols import Factor, Lobe, Parameter, lobe_values
+from symrt.reflection.symbols import Factor, Lobe, Parameter, lobe_values, with_lobes
 from symrt.symbols import named
 
 NodeIndex = tuple[tuple[str, int], ...]
@@ -112,11 +112,15 @@ def _at_nodes(coefficient: sympy.Expr, free: Mapping[str, Nodes]) -> list[tuple[
     names = sorted(symbol.name for symbol in coefficient.atoms(Parameter))
     if missing := [name for name in names if name not in free]:
         raise ValueError(f"{coefficient}: {', '.join(missing)} has no value; give it one in the material")
-    choices = itertools.product(*(enumerate(free[name].values) for name in names))
-    return [
-        (
-            tuple((free[name].parameter, j) for name, (j, _) in zip(names, choice, strict=True)),
-            coefficient.xreplace({Parameter(n): sympy.Float(v) for n, (_, v) in zip(names, choice, strict=True)}),
+    found = []
+    for index in itertools.product(*(range(free[name].count) for name in names)):
+        # First order's second part is the slope.
+        values, part = {}, coefficient
+        for name, j in zip(names, index, strict=True):
+            nodes, around = free[name], free[name].around
+            part = part if around is None or j == 0 else sympy.diff(with_lobes(part), Parameter(name))
+            values[Parameter(name)] = sympy.Float(nodes.values[j] if around is None else around)
+        found.append(
+            (tuple((free[name].parameter, j) for name, j in zip(names, index, strict=True)), part.xreplace(values))
         )
-        for choice in choices
-    ]
+    return found

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from symrt.errors import shown
 from symrt.linear.collapse import run
+from symrt.linear.freeing import Free
 from symrt.linear.job import Job, make_job
-from symrt.linear.program import Free, Values
+from symrt.linear.program import Values
 from symrt.linear.tiles import RAYS, SAMPLES, rows_of
 from symrt.linear.workers import Workers, processors, threads_used
 from symrt.scene.records import Scene

@@ -210,12 +210,20 @@ def _(source: LinearSystem, x: Any, y: Any) -> Formula:
     kind = Ordered if matrices else Reflectance
     terms = []
     for interaction, g in found:
-        nodes = [Parameter(f"{name}[{j}]") for name, j in interaction.nodes]
+        nodes = [_node(source, name, j) for name, j in interaction.nodes]
         powers = [kind(name) ** sympy.Float(length) for name, length in interaction.powers]
         window = [Hat(str(interaction.window))] if interaction.window else []
         met = map(kind, interaction.met)
         terms.append(sympy.Mul(number(g), Light(interaction.light), *met, *powers, *window, *nodes))
     return Formula(sympy.Add(*terms))
+
+
+def _node(source: LinearSystem, name: str, j: int) -> sympy.Expr:
+    """The weight of a node, as a letter of its own; of first order 1, and the distance from the value it is around."""
+    around = source.parameters[name].around if name in source.parameters else None
+    if around is None:
+        return Parameter(f"{name}[{j}]")
+    return Parameter(name) - number(around) if j else sympy.Integer(1)
 
 
 @dataclass(frozen=True, eq=False)

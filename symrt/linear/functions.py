@@ -6,6 +6,8 @@ from typing import Any
 
 import sympy
 
+from symrt.reflection.symbols import log_lobe_values
+
 
 def function_of(
     letters: Iterable[sympy.Symbol], expressions: Sequence[sympy.Expr], lobe: Callable[..., Any], *, cse: bool = False
@@ -41,7 +43,7 @@ def _compiled(
     function = sympy.lambdify(
         list(stand_in.values()),
         [expression.xreplace(stand_in) for expression in expressions],
-        modules=[{"Lobe": lobe}, "numpy"],
+        modules=[{"Lobe": lobe, "LogLobe": log_lobe_values}, "numpy"],
         cse=cse,
     )
     return partial(function, *map(float, floats))

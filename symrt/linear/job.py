@@ -12,9 +12,10 @@ from symrt import __version__
 from symrt.errors import require
 from symrt.linear.collapse import run
 from symrt.linear.digests import digest_of
+from symrt.linear.freeing import Free
 from symrt.linear.pieces import Picture
 from symrt.linear.planning import thrifty
-from symrt.linear.program import Free, Program, Values, make_program
+from symrt.linear.program import Program, Values, make_program
 from symrt.linear.resume import Tiles
 from symrt.linear.tiles import Window, tiles
 from symrt.scene.records import Scene

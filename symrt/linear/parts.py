@@ -13,9 +13,10 @@ from itertools import pairwise
 from pathlib import Path
 
 from symrt.linear.estimate import check_memory
+from symrt.linear.freeing import Free
 from symrt.linear.job import make_job
 from symrt.linear.pieces import Picture, Piece, read_piece, write_piece
-from symrt.linear.program import Free, Values
+from symrt.linear.program import Values
 from symrt.linear.stacking import stacked
 from symrt.linear.tiles import rows_of
 from symrt.linear.workers import Workers, check, finished

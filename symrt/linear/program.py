@@ -7,15 +7,14 @@ import numpy as np
 
 from symrt.lengths import Lengths, lengths_for
 from symrt.linear.compiled import Compiled, compile_formula
+from symrt.linear.freeing import Free, freed
 from symrt.linear.limits import Limits, Materials, limits, parameter_of
 from symrt.nodes import Nodes
 from symrt.reflection.models import INDEX, LIT
-from symrt.reflection.nodes import choose_nodes
 from symrt.symbols import Surface, named
 from symrt.tracing.raytree import MaterialRecord
 
 Values = Mapping[str, float | int]
-Free = Sequence[str] | Mapping[str, tuple[float | int, float | int]]
 ABSORBING = 1e-3
 """Largest error of lengths in absorbing glass, unless told otherwise."""
 
@@ -67,7 +66,9 @@ def make_program(
     """
     # Parameters get their values, or nodes.
     materials = with_values(materials, values or {})
-    nodes = _nodes(materials, free)
+    _check_known(materials, free)
+    _check_not_traced(materials, free)
+    nodes = freed(materials, free, error)
 
     # What alternatives bring belongs to the material whose place they may take.
     own = {name: record for name, record in materials.items() if not Surface.of(name).alternative}
@@ -117,19 +118,6 @@ def _check_not_traced(materials: Materials, names: Sequence[str] | Mapping[str, 
     bent = {parameter_of(name, INDEX) for name, record in materials.items() if record.model.refracts}
     if traced := sorted(bent.intersection(names)):
         raise ValueError(f"{', '.join(traced)}: rays were bent by it; trace the scene again with another index")
-
-
-def _nodes(materials: Materials, free: Free) -> dict[str, Nodes]:
-    _check_known(materials, free)
-    _check_not_traced(materials, free)
-    if not isinstance(free, Mapping):
-        now = {
-            parameter_of(name, key): value
-            for name, record in materials.items()
-            for key, value in record.parameters.items()
-        }
-        free = {name: (now[name] / 4, now[name] * 4) for name in free}
-    return {name: choose_nodes(name, low, high) for name, (low, high) in free.items()}
 
 
 def _compiled(name: str, record: MaterialRecord, nodes: Mapping[str, Nodes]) -> dict[str, Compiled]:

@@ -13,8 +13,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from symrt.linear.estimate import check_memory
+from symrt.linear.freeing import Free
 from symrt.linear.job import make_job
-from symrt.linear.program import Free, Values
+from symrt.linear.program import Values
 from symrt.linear.resume import open_tiles
 from symrt.linear.stacking import stacked
 from symrt.linear.workers import Workers, check, finished

@@ -130,6 +130,12 @@ class Lobe(sympy.Function):
 
     nargs = 2
 
+    def fdiff(self, argindex: int = 2) -> sympy.Expr:
+        """The derivative in the exponent; cosines are numbers by then."""
+        if argindex != 2:
+            raise sympy.function.ArgumentIndexError(self, argindex)
+        return LogLobe(*self.args, 1)
+
     @property
     def cosine(self) -> Factor:
         """The factor that is raised to a power, for printing."""
@@ -145,6 +151,23 @@ class Lobe(sympy.Function):
     def _eval_evalf(self, prec: int) -> sympy.Expr:
         one_minus, exponent = (a._eval_evalf(prec) for a in self.args)  # noqa: SLF001 -- SymPy's own protocol
         return (1 - one_minus) ** exponent
+
+
+class LogLobe(sympy.Function):
+    """``cosine^s (ln cosine)^k``, the k-th derivative of a `Lobe` in its exponent; 0 where the cosine is."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 2) -> sympy.Expr:
+        """The derivative in the exponent."""
+        if argindex != 2:
+            raise sympy.function.ArgumentIndexError(self, argindex)
+        return LogLobe(self.args[0], self.args[1], self.args[2] + 1)
+
+    def _eval_evalf(self, prec: int) -> sympy.Expr:
+        one_minus, exponent, times = (a._eval_evalf(prec) for a in self.args)  # noqa: SLF001 -- SymPy's own protocol
+        cosine = 1 - one_minus
+        return cosine**exponent * sympy.log(cosine) ** times if cosine != 0 else sympy.Integer(0)
 
 
 def reflectance(name: str) -> Reflectance:
@@ -187,6 +210,20 @@ def lobe(cosine: sympy.Expr, exponent: object) -> sympy.Expr:
     return Lobe(Factor(ONE_MINUS + cosine.name), exponent)
 
 
+def with_lobes(formula: sympy.Expr) -> sympy.Expr:
+    """A formula in which powers of cosines with a parameter in the exponent are lobes, whose slopes are known at 0.
+
+    Examples
+    --------
+    >>> with_lobes(n_dot_v ** parameter("s") * sympy.log(2)).has(Lobe)
+    True
+    """
+    powers = [p for p in formula.atoms(sympy.Pow) if isinstance(p.base, Factor) and p.exp.atoms(Parameter)]
+    opposite = {p: p.base.name.removeprefix(ONE_MINUS) for p in powers}
+    names = {p: n if p.base.name != n else ONE_MINUS + n for p, n in opposite.items()}
+    return formula.xreplace({p: Lobe(Factor(name), p.exp) for p, name in names.items()})
+
+
 def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float | int) -> Float[np.ndarray, " point"]:
     """Evaluate (1 − x)^s as exp(s log1p(−x)), x clamped to [0, 1] first; anything to the power 0 is 1.
 
@@ -201,6 +238,22 @@ def lobe_values(one_minus_cosine: Float[np.ndarray, " point"], exponent: float |
     x = np.clip(one_minus_cosine, 0.0, 1.0).astype(np.longdouble)
     with np.errstate(divide="ignore", under="ignore"):
         return np.exp(np.longdouble(exponent) * np.log1p(-x)).astype(np.float64)
+
+
+def log_lobe_values(
+    one_minus_cosine: Float[np.ndarray, " point"], exponent: float | int, times: float | int
+) -> Float[np.ndarray, " point"]:
+    """Evaluate x^s (ln x)^k, which is 0 at x = 0.
+
+    Examples
+    --------
+    >>> log_lobe_values(np.array([0.0, 0.5, 1.0]), 2.0, 1).round(6)
+    array([-0.      , -0.173287,  0.      ])
+    """
+    x = np.clip(one_minus_cosine, 0.0, 1.0)
+    with np.errstate(divide="ignore"):
+        logarithm = np.where(x < 1, np.log1p(-x), 0.0)
+    return lobe_values(x, exponent) * np.where(x < 1, logarithm**times, 0.0)
 
 
 def lobe_value(one_minus_cosine: float | int, exponent: float | int) -> float:
