@@ -53,11 +53,17 @@ class Tree:
 
     @cached_property
     def flat(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The boxes of all levels side by side, where each level starts, the order, and the boxes in the slots."""
-        starts = np.cumsum([0, *(box.shape[2] for box in self.boxes[:-1])])
-        joined = np.concatenate([box.reshape(6, -1) for box in self.boxes], axis=1)
-        each = np.empty((6, 0)) if self.each is None else np.ascontiguousarray(self.each.reshape(6, -1))
-        return np.ascontiguousarray(joined), starts, np.ascontiguousarray(self.order), each
+        """The tree as its kernel takes it: families of boxes, the first of each level, the order, the slots' boxes.
+
+        A family is the children of a node side by side; the root is one of its own.
+        """
+        root = np.full((1, 6, WAYS), np.nan)
+        root[0, :, 0] = self.boxes[0].ravel()
+        families = [root, *(box.reshape(6, -1, WAYS).transpose(1, 0, 2) for box in self.boxes[1:])]
+        starts = np.cumsum([1, *(len(family) for family in families[1:])])
+        each = np.empty((0, 6, LEAF)) if self.each is None else self.each.reshape(6, -1, LEAF).transpose(1, 0, 2)
+        joined = np.ascontiguousarray(np.concatenate(families))
+        return joined, starts, np.ascontiguousarray(self.order), np.ascontiguousarray(each)
 
 
 def build(low: Float[np.ndarray, "3 box"], high: Float[np.ndarray, "3 box"], *, dear: bool = False) -> Tree:
