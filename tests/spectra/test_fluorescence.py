@@ -286,3 +286,27 @@ def test_bounds_are_lost_only_where_light_does_not_fade():
     # Of paint that the palette does not name, seen by no pixel, anything may come.
     unseen = replace(system, tail=replace(system.tail, fluorescent=("front.fluorescence", "hidden.fluorescence")))
     assert (rt.shade(unseen, palette).cut_off > rt.shade(system, palette).cut_off).all()
+
+
+@pytest.mark.parametrize("depth", [0, 1, 3])
+def test_a_furnace_of_fluorescent_paint_is_the_series_of_its_matrix(depth):
+    # The lamp gives every place of the ball the same, and each bounce sends on R + F of it: Σ (R + F)^k.
+    scene = rt.Scene(
+        camera=rt.Camera(position=(0.25, 0.125, 0), target=(0, 0, 0.5), width=2, height=2, field_of_view=60),
+        shapes=[rt.Sphere(centre=(0, 0, 0), radius=2, material="wall")],
+        materials=[rt.Material("wall", model=["lambert", "fluorescent"])],
+        lights=[rt.PointLight("lamp", position=(0, 0, 0))],
+        interreflection=rt.Interreflection(3, depth),
+    )
+    random = np.random.default_rng(depth)
+    wall = {"wall.diffuse": random.uniform(0.1, 0.5, 5), "wall.fluorescence": random_dye(random, UNEVEN, 0.4)}
+    palette = rt.Palette(UNEVEN, {"lamp": random.uniform(1, 9, 5)} | wall)
+    again = np.diag(palette["wall.diffuse"]) + palette["wall.fluorescence"]
+    powers = [np.linalg.matrix_power(again, k) for k in range(1, depth + 2)]
+    image = rt.shade(rt.render(scene, progress=False), palette)
+    seen = np.broadcast_to(palette["lamp"] @ sum(powers) / (4 * np.pi), (2, 2, 5))
+    np.testing.assert_allclose(image.values, seen, rtol=1e-12)
+
+    # All bounces beyond the depth are within the bound.
+    whole = palette["lamp"] @ again @ np.linalg.inv(np.eye(5) - again) / (4 * np.pi)
+    assert (whole - seen <= image.cut_off).all()
