@@ -66,6 +66,31 @@ def normalise(v: Vectors) -> Vectors:
     return scaled / np.sqrt(dot(scaled, scaled))
 
 
+def cosine(a: Vectors, b: Vectors) -> PerRay:
+    """The cosine between unit vectors, clamped to [0, 1].
+
+    Examples
+    --------
+    >>> up = np.array([[0.0], [1.0], [0.0]])
+    >>> cosine(up, up), cosine(up, -up)
+    (array([1.]), array([0.]))
+    """
+    return np.clip(dot(a, b), 0.0, 1.0)
+
+
+def one_minus_cosine(a: Vectors, b: Vectors) -> PerRay:
+    """1 − a·b = |a − b|²/2 of unit vectors, at most 1: it keeps its digits where the cosine is close to 1.
+
+    Examples
+    --------
+    >>> up, beside = np.array([[0.0], [1.0], [0.0]]), np.array([[1e-9], [1.0], [0.0]])
+    >>> one_minus_cosine(up, beside)
+    array([5.e-19])
+    """
+    difference = a - b
+    return np.minimum(dot(difference, difference) / 2, 1.0)
+
+
 def reflect(direction: Vectors, normal: Vectors) -> Vectors:
     """Mirror a unit vector that points away from a surface about its normal; the result points away too.
 
@@ -76,6 +101,17 @@ def reflect(direction: Vectors, normal: Vectors) -> Vectors:
     [[-0.6, 0.8, 0.0]]
     """
     return 2 * dot(direction, normal) * normal - direction
+
+
+def turned(v: Vectors, towards: Vectors) -> Vectors:
+    """Vectors, of which those that point away from others are turned round.
+
+    Examples
+    --------
+    >>> turned(np.array([[1.0], [-2.0], [3.0]]), np.array([[0.0], [1.0], [0.0]])).T.tolist()
+    [[-1.0, 2.0, -3.0]]
+    """
+    return np.where(dot(v, towards) < 0, -v, v)
 
 
 def half_way(a: Vectors, b: Vectors) -> Vectors:

@@ -13,12 +13,16 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from symrt import fast
 from symrt.arrays import PerRay
 from symrt.geometry import bvh
-from symrt.geometry.rays import ROUNDING, Rays
+from symrt.geometry.directions import ROOM
+from symrt.geometry.rays import BLOCK, ROUNDING, Rays
 
 FEW = 24
 """Up to as many shapes each is asked about by itself: walking through a hierarchy costs about as much as they do."""
+CHEAP = 1 << 15
+"""Pairs of a ray and a shape that kernels tell in the time in which culling finds out which shapes may be left out."""
 WIDER = 1e-9
 """Share of its size by which a box is wider than its shape."""
 
@@ -81,6 +85,17 @@ class Shapes(Sequence[Any]):
     def tree(self) -> bvh.Tree | None:
         """A hierarchy of the boxes of those; None where they are few."""
         return bvh.build(*self.boxes[:, :, self.ended], dear=True) if len(self.ended) > FEW else None
+
+    def blocks(self, count: int) -> Iterator[slice]:
+        """Parts of as many rays as stay in the cache; all at once where a hierarchy or kernels go through them."""
+        size = BLOCK if self.tree is None and fast.kernels(ROOM, 0) is None else max(1, count)
+        return (slice(start, start + size) for start in range(0, count, size))
+
+    def worth_asking(self, rays: Rays, limit: PerRay | float) -> Iterator[Asked]:
+        """Those `asked`; or all of them, where kernels ask sooner than it is found out which may be left out."""
+        if self.tree is None and len(rays) * len(self) < CHEAP and fast.kernels(ROOM, 0) is not None:
+            return ((index, None) for index in range(len(self)))
+        return self.asked(rays, limit)
 
     def asked(self, rays: Rays, limit: PerRay | float) -> Iterator[Asked]:
         """The shapes, in their order, that some of the rays may meet before a distance, and which those rays are.

@@ -1,6 +1,6 @@
 """What rays meet first among many shapes, and whether they meet anything (step 1)."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -9,12 +9,9 @@ from jaxtyping import Bool, Int
 
 from symrt import fast
 from symrt.arrays import PerRay
-from symrt.geometry.culling import Asked, Shapes, gathered
+from symrt.geometry.culling import gathered
 from symrt.geometry.directions import ROOM, whole_rows
-from symrt.geometry.rays import BLOCK, Hits, Kernel, Rays, Surface, intersect, leaves, surface
-
-CHEAP = 1 << 15
-"""Pairs of a ray and a shape that kernels tell in the time in which culling finds out which shapes may be left out."""
+from symrt.geometry.rays import Hits, Kernel, Rays, Surface, intersect, leaves, surface
 
 
 def meet(
@@ -113,9 +110,9 @@ def nearest(shapes: Sequence[Any], rays: Rays) -> Hits:
     array([1], dtype=int32)
     """
     among, found = gathered(shapes), no_hits(len(rays))
-    for block in _blocks(among, len(rays)):
+    for block in among.blocks(len(rays)):
         part, hits = rays[block], Hits(found.distance[block], found.shape[block], found.primitive[block])
-        for index, which in _asked(among, part, np.inf):
+        for index, which in among.worth_asking(part, np.inf):
             meet(among[index], index, part, hits, which=which)
     return found
 
@@ -133,10 +130,10 @@ def occluded(shapes: Sequence[Any], rays: Rays, limit: PerRay) -> Bool[np.ndarra
     """
     among, blocked = gathered(shapes), np.zeros(len(rays), bool)
     enough = 8 if fast.kernels(ROOM, 0) is None else 2
-    for block in _blocks(among, len(rays)):
+    for block in among.blocks(len(rays)):
         chosen = np.arange(len(rays))[block]
         part, hits = rays[block], replace(no_hits(chosen.size), distance=limit[chosen])
-        for index, which in _asked(among, part, limit[chosen]):
+        for index, which in among.worth_asking(part, limit[chosen]):
             if which is not None:
                 meet(among[index], index, part, hits, which=which[hits.shape[which] < 0], any_hit=True)
                 continue
@@ -214,16 +211,3 @@ def leaving_of(shapes: Sequence[Any], hits: Hits) -> Int[np.ndarray, "2 ray"]:
     # The last entry stands for rays that met nothing.
     good = np.array([*map(leaves, shapes), (False, False)]).T
     return np.where(good[:, hits.shape], hits.shape, np.int32(-1))
-
-
-def _asked(among: Shapes, rays: Rays, limit: PerRay | float) -> Iterator[Asked]:
-    """The shapes that some of the rays may meet; all of them where kernels ask sooner than that is found out."""
-    if among.tree is None and len(rays) * len(among) < CHEAP and fast.kernels(ROOM, 0) is not None:
-        return ((index, None) for index in range(len(among)))
-    return among.asked(rays, limit)
-
-
-def _blocks(among: Shapes, count: int) -> Iterator[slice]:
-    """Parts of as many rays as stay in the cache; all at once where a hierarchy or kernels go through them."""
-    size = BLOCK if among.tree is None and fast.kernels(ROOM, 0) is None else max(1, count)
-    return (slice(start, start + size) for start in range(0, count, size))

@@ -4,6 +4,7 @@
 registers its own beside its record.  No result depends on the other rays of a batch, so tiles may be cut anywhere.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
@@ -203,6 +204,19 @@ def encloses(shape: object, point: Point) -> bool:  # noqa: ARG001
     True
     """
     raise _unknown(shape)
+
+
+def inside(shape: object, place: Sequence[float]) -> bool:
+    """Whether a place is inside a closed shape; one so far away that its distance overflows is outside.
+
+    Examples
+    --------
+    >>> from symrt.geometry import Sphere
+    >>> inside(Sphere(centre=(0, 0, 0), radius=1, material="red"), (0, 1e300, 0))
+    False
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return encloses(shape, np.array(place, dtype=float))
 
 
 @singledispatch

@@ -17,9 +17,9 @@ from symrt.geometry import Disk, Rectangle, Sphere, Triple
 from symrt.geometry.flats import plane_axes
 from symrt.geometry.records import LARGEST, column, moved
 from symrt.scene.checks import Number, check_name, check_number, check_triple, check_whole, floats, settle
-from symrt.scene.figures import DARK, as_a_whole, gauss_points, perpendicular
+from symrt.scene.figures import as_a_whole, gauss_points, perpendicular
 from symrt.scene.lights import Answering, Illumination, Nearest, Points, Via
-from symrt.scene.outlines import Outline
+from symrt.scene.outlines import DARK, Outline
 
 SQUARE = 1e-6
 """Largest cosine between edges that are perpendicular."""

@@ -7,26 +7,7 @@ import numpy as np
 from symrt.arrays import PerRay, Vectors, dot, length, normalise
 from symrt.scene.irradiance import vector_irradiance
 from symrt.scene.lights import Illumination, Points
-from symrt.scene.outlines import Outline, place
-
-DARK = np.array([[0.0], [1.0], [0.0]])
-"""Any direction, for light that does not arrive."""
-
-
-def begins(figure: Outline, towards: Vectors) -> tuple[Vectors, PerRay]:
-    """Unit vectors to places of a figure, and the distances at which the light begins there.
-
-    A ball begins in front of the disk of its silhouette.
-    """
-    distance = np.sqrt(dot(towards, towards))
-    direction = np.where(distance > 0, towards, DARK) / np.where(distance > 0, distance, 1.0)
-    if figure.ball:
-        far, wide = length(figure.centre), length(figure.across)
-        away = far + wide**2 / far
-        along = -dot(direction, figure.normal)
-        beside = np.maximum(1 - along**2, 0.0) * away**2
-        distance = away * along - np.sqrt(np.maximum(figure.ball**2 - beside, 0.0))
-    return direction, distance
+from symrt.scene.outlines import DARK, Outline, begins, place
 
 
 def as_a_whole(figure: Outline, normals: Points) -> Illumination:

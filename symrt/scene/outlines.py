@@ -13,6 +13,8 @@ Axis = Float[np.ndarray, "3 #n"]
 
 ROOM = 2.0**-50
 """Share of a figure's distance and size that counts as its own plane."""
+DARK = np.array([[0.0], [1.0], [0.0]])
+"""Any direction, for light that does not arrive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,3 +95,19 @@ def place(figure: Outline, u: Share, v: Share) -> tuple[Vectors, PerRay]:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         weight = -dot(towards, figure.normal) / np.sqrt(square) / square
     return towards, np.where(np.isfinite(weight), np.maximum(weight, 0.0), 0.0)
+
+
+def begins(figure: Outline, towards: Vectors) -> tuple[Vectors, PerRay]:
+    """Unit vectors to places of a figure, and the distances at which the light begins there.
+
+    A ball begins in front of the disk of its silhouette.
+    """
+    distance = np.sqrt(dot(towards, towards))
+    direction = np.where(distance > 0, towards, DARK) / np.where(distance > 0, distance, 1.0)
+    if figure.ball:
+        far, wide = length(figure.centre), length(figure.across)
+        away = far + wide**2 / far
+        along = -dot(direction, figure.normal)
+        beside = np.maximum(1 - along**2, 0.0) * away**2
+        distance = away * along - np.sqrt(np.maximum(figure.ball**2 - beside, 0.0))
+    return direction, distance

@@ -1,7 +1,6 @@
 """Geometric factors: the cosines between normal, light, viewer, half vector and mirrored light (step 1).
 
-Only the factors that a material's formulas name are computed.  ``one_minus_…`` is 1 − a·b = |a − b|²/2 for unit
-vectors, which keeps its digits where the cosine is close to 1.
+Only the factors that a material's formulas name are computed.
 """
 
 from collections.abc import Iterable
@@ -9,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from jaxtyping import Float
 
-from symrt.arrays import PerRay, dot, half_way, reflect
+from symrt.arrays import PerRay, cosine, half_way, one_minus_cosine, reflect
 from symrt.reflection.symbols import ONE_MINUS
 
 Direction = Float[np.ndarray, "3 ray"]
@@ -30,7 +29,10 @@ def factors(names: Iterable[str], normal: Direction, viewer: Direction, light: D
         letter: _vector(letter, normal, viewer, light)
         for letter in sorted({letter for pair in pairs.values() for letter in pair})
     }
-    return {name: _factor(name, vectors[first], vectors[second]) for name, (first, second) in pairs.items()}
+    return {
+        name: (one_minus_cosine if name.startswith(ONE_MINUS) else cosine)(vectors[first], vectors[second])
+        for name, (first, second) in pairs.items()
+    }
 
 
 def coded(name: str) -> tuple[int, int, int]:
@@ -41,8 +43,8 @@ def coded(name: str) -> tuple[int, int, int]:
     >>> coded("one_minus_r_dot_v")
     (3, 1, 1)
     """
-    cosine = name.removeprefix(ONE_MINUS)
-    return "nvlrh".index(cosine[0]), "nvlrh".index(cosine[-1]), int(cosine != name)
+    plain = name.removeprefix(ONE_MINUS)
+    return "nvlrh".index(plain[0]), "nvlrh".index(plain[-1]), int(plain != name)
 
 
 def _vector(letter: str, normal: Direction, viewer: Direction, light: Direction | None) -> Direction:
@@ -54,10 +56,3 @@ def _vector(letter: str, normal: Direction, viewer: Direction, light: Direction 
     if light is None:
         raise ValueError(f"the vector {letter} needs a light")
     return light if letter == "l" else reflect(light, normal) if letter == "r" else half_way(light, viewer)
-
-
-def _factor(name: str, first: Direction, second: Direction) -> PerRay:
-    if not name.startswith(ONE_MINUS):
-        return np.clip(dot(first, second), 0.0, 1.0)
-    difference = first - second
-    return np.minimum(dot(difference, difference) / 2, 1.0)

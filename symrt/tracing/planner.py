@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from symrt.errors import refuse, require, shown, suggestion
-from symrt.geometry.rays import clearance, encloses
+from symrt.geometry.rays import clearance, inside
 from symrt.scene.records import Scene
 from symrt.scene.surface_lights import SurfaceLight
 from symrt.tracing import effects
@@ -45,8 +44,8 @@ def first_plan(
     )
     calls = {effect.name: effect.call(scene, alternatives) for effect in effects.EFFECTS}
     planned = [_planned(effect, calls[effect.name], force.get(effect.name), tolerance) for effect in effects.EFFECTS]
-    remarks = (*_glow_remarks(scene, planned), *_remarks(scene))
-    return Plan(tuple(_counted(planned, calls, scene.depth)), remarks, tolerance)
+    counted = tuple(_counted(planned, calls, scene.depth))
+    return Plan(counted, (*_glow_remarks(scene, planned), *_remarks(scene)), tolerance)
 
 
 def _checked(tolerance: float | int) -> float:
@@ -71,7 +70,7 @@ def _remarks(scene: Scene) -> Iterator[str]:
             continue
 
         # The camera inside of a closed shape.
-        eye = _inside(shape, scene.camera.position)
+        eye = inside(shape, scene.camera.position)
         kind = getattr(shape, "type", "mesh")
         if eye:
             yield f"The camera is inside shapes[{index}], a {kind}: it sees what is inside, and its inner side."
@@ -81,17 +80,11 @@ def _remarks(scene: Scene) -> Iterator[str]:
         # Walls let nothing through: a light and the camera on two sides of one see nothing of each other.
         for light in scene.lights:
             place = getattr(light, "position", getattr(light, "centre", None))
-            lamp = place is not None and _inside(shape, place)
+            lamp = place is not None and inside(shape, place)
             known = place is not None or hasattr(light, "direction")
             if light.shadows and known and lamp != eye:
                 here, there = ("inside", "outside of") if lamp else ("outside of", "inside")
                 yield f"The light {light.name} is {here} shapes[{index}], a {kind}: it does not shine {there} it."
-
-
-def _inside(shape: Any, place: Any) -> bool:
-    # A place so far away that its distance overflows is outside.
-    with np.errstate(over="ignore", invalid="ignore"):
-        return encloses(shape, np.array(place, dtype=float))
 
 
 def _planned(effect: Effect, call: Call, forced: bool | None, tolerance: float) -> Planned:

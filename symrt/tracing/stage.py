@@ -86,13 +86,14 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
 
     Distances are then measured from where precision is needed, however far from the origin a scene was modelled.
     """
+    alternatives = checked_alternatives(scene, alternatives or {})
+
     # Read the files of shapes and textures.
     loaded = [load_mesh(shape, scene.folder) if isinstance(shape, Mesh) else shape for shape in scene.shapes]
     textures = {texture.name: load_texture(texture, scene.folder) for texture in scene.textures}
 
     # Bind each model to its material.
     _check_closed(scene, loaded)
-    alternatives = checked_alternatives(scene, alternatives or {})
     materials, sending = _materials(scene, alternatives), _sending(scene, alternatives)
 
     # Move everything to the camera.

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, Shaped
+from jaxtyping import Bool, Int, Shaped
 
 from symrt import fast
-from symrt.arrays import Vectors, dot
+from symrt.arrays import Vectors, dot, turned
 from symrt.geometry.directions import ROOM, whole_rows
 from symrt.geometry.rays import Rays, Surface
 from symrt.reflection.models import LIT
@@ -112,12 +112,8 @@ def look(surface: Surface, slot: Int[np.ndarray, " hit"], batch: Batch, leaving:
         kernels.look(*map(whole_rows, given), viewer, normal, shading_normal, behind)
     else:
         viewer = -batch.rays.direction
-        normal = _turned(surface.normal, viewer)
-        shading_normal = _turned(surface.shading_normal, normal)
+        normal = turned(surface.normal, viewer)
+        shading_normal = turned(surface.shading_normal, normal)
         behind = dot(surface.normal, viewer) < 0
     leaving = np.where(behind, leaving[::-1], leaving)
     return View(surface, slot, viewer, normal, shading_normal, batch.sample, batch.state, leaving, batch.branches)
-
-
-def _turned(normal: Float[np.ndarray, "3 hit"], towards: Float[np.ndarray, "3 hit"]) -> Float[np.ndarray, "3 hit"]:
-    return np.where(dot(normal, towards) < 0, -normal, normal)

@@ -20,9 +20,8 @@ from symrt.arrays import Vectors, dot
 from symrt.geometry.meeting import occluded
 from symrt.geometry.rays import BLOCK, spawn
 from symrt.scene.area_lights import AreaLight
-from symrt.scene.figures import begins
 from symrt.scene.lights import Illumination, Light
-from symrt.scene.outlines import Outline, place
+from symrt.scene.outlines import Outline, begins, place
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import Call, Effect, Passed
 from symrt.tracing.stage import Alternatives, Stage
