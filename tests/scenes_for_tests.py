@@ -20,7 +20,9 @@ def small(name: str, size: int, samples: int = 1) -> rt.Scene:
     """A shipped scene with a film of size × size pixels, few places on a lens, and few of many lights."""
     scene = rt.load_scene(SCENES / f"{name}.toml")
     lights = scene.lights if len(scene.lights) <= FEW else scene.lights[: FEW - 1] + scene.lights[-1:]
-    eye = replace(scene.camera, width=size, height=size, samples=samples, lens_samples=2)
+    eye = replace(scene.camera, width=size, height=size, samples=samples)
+    if eye.aperture or eye.f_number:
+        eye = replace(eye, lens_samples=2)
     return replace(scene, camera=eye, lights=lights)
 
 

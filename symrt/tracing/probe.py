@@ -111,10 +111,9 @@ class Probe:
         return "\n".join([text_table(HEAD, self.rows), *sent, self._effects()])
 
     def _effects(self) -> str:
-        return (
-            f"{self.rays} rays: without shadows {self.hidden:.1%} of the lit points would be too bright, "
-            f"without rays that surfaces send on {self.mirrored:.1%} of the rays would end too soon"
-        )
+        shadows = f"{self.rays} rays: without shadows {self.hidden:.1%} of the lit points would be too bright"
+        ended = f", and {self.mirrored:.1%} of the rays would end too soon if surfaces sent none on"
+        return shadows + (ended if self.mirrored else "")
 
     def _repr_html_(self) -> str:
         sent = html_table(SENT, self.sent) if self.branches else ""
