@@ -156,6 +156,7 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
         faults = list(_reference_faults(scene))
         yield from faults or (*_open_glass_faults(scene), *_glow_faults(scene))
         yield from () if windows else _dispersion_faults(scene)
+        yield from _order_faults(scene)
         yield from _place_faults(scene)
 
 
@@ -229,6 +230,18 @@ def _dispersion_faults(scene: Scene) -> Iterator[str]:
         if material.dispersion is not None:
             faults = material.dispersion.faults(scene.nodes[0], scene.nodes[-1])
             yield from (f"materials.{material.name}: {material.dispersion}: {fault}" for fault in faults)
+
+
+def _order_faults(scene: Scene) -> Iterator[str]:
+    """Paint that would give back at other wavelengths what glass has told apart: a column has its window last."""
+    if scene.interreflection is not None:
+        paints = [material.name for material in scene.materials if material.reflection.fluorescent]
+        glass = [material.name for material in scene.materials if material.dispersion is not None]
+        if paints and glass:
+            yield (
+                f"interreflection: {paints[0]} fluoresces, and would gather light through {glass[0]}, whose index "
+                f"changes with the wavelength; give {glass[0]} an index = 1.5, say, or leave out interreflection"
+            )
 
 
 def _place_faults(scene: Scene) -> Iterator[str]:

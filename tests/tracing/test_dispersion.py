@@ -276,11 +276,19 @@ def test_an_index_by_wavelength_cannot_be_moved_after_the_trace():
         rt.shade(rt.collapse(tree), rt.Palette(rt.RGB, dict.fromkeys(ball().symbols, 0.5)))
 
 
-def test_ordered_columns_and_alternatives_keep_their_windows():
+def test_paint_gathers_nothing_through_glass_that_tells_wavelengths_apart():
+    scene = ball(glass="F2")
+    paint = rt.Material("dark", ["lambert", "fluorescent"])
+    painted = replace(scene, materials=[*scene.materials[:2], paint])
+    with pytest.raises(
+        ValueError, match=r"interreflection: dark fluoresces, and would gather light through ball, whose"
+    ):
+        replace(painted, interreflection=rt.Interreflection(paths=4, depth=1))
+
+
+def test_ordered_columns_keep_their_windows():
     scene = ball(3, glass="F2")
     ordered, merged = rt.collapse(rt.trace(scene), ordered=True), rt.collapse(rt.trace(scene))
     assert {(i.light, tuple(sorted(i.met)), i.window) for i in ordered.interactions} == {
         (i.light, i.met, i.window) for i in merged.interactions
     }
-    crystal = replace(scene, materials=[*scene.materials, rt.Material("crystal", "glass", glass="diamond")])
-    assert "crystal" not in rt.plan(crystal).effects
