@@ -206,7 +206,7 @@ def encloses(shape: object, point: Point) -> bool:  # noqa: ARG001
     raise _unknown(shape)
 
 
-def inside(shape: object, place: Sequence[float]) -> bool:
+def inside(shape: object, place: Sequence[float | int]) -> bool:
     """Whether a place is inside a closed shape; one so far away that its distance overflows is outside.
 
     Examples
