@@ -23,6 +23,7 @@ _NAMES = {
         "AmbientLight",
         "DirectionalLight",
         "DiskLight",
+        "Environment",
         "Illumination",
         "PointLight",
         "Interreflection",

@@ -213,6 +213,23 @@ SMALL = {
         BALL | {"material": "blue"},
         lights={"lamp": LAMP | {"centre": [-1.0, 2.3, 0.2], "visible": True}},
     ),
+    "a sky of regions": scene(BALL | {"material": "chrome"}, PIPE | {"material": "blue"})
+    | {
+        "shapes": [
+            BALL | {"material": "chrome"},
+            PIPE | {"material": "blue"},
+            ROOM | {"centre": [0, -2.9, 0], "size": [4, 5.6, 4], "material": "floor"},
+        ],
+        "lights": {
+            "sun": SUN,
+            "sky": {
+                "type": "environment",
+                "samples": 48,
+                "up": [0.1, 1, 0.2],
+                "regions": {"zenith": [35, 90], "horizon": [-10, 35], "ground": [-90, -10]},
+            },
+        },
+    },
     "a lamp that is seen from behind": under_a_lamp(BALL, centre=[-0.9, 1.3, 2.2], visible=True),
     "an ambient light": lit(sky={"type": "ambient"}),
     "all kinds of light": lit(sky={"type": "ambient"}, sun=SUN, lamp=POINT),
@@ -308,7 +325,8 @@ class Spotlight:
 def write_scene(folder, whole):
     """A scene file with a palette of four bands in which every symbol is drawn at random, and the files it names."""
     random = np.random.default_rng(20260)
-    symbols = list(whole["lights"])
+    skies = {name: light.get("regions", {}) for name, light in whole["lights"].items()}
+    symbols = [symbol for name, parts in skies.items() for symbol in ([f"{name}_{part}" for part in parts] or [name])]
     for material, table in whole["materials"].items():
         models = table["model"] if isinstance(table["model"], list) else [table["model"]]
         symbols += {f"{material}.{component}": 0 for model in models for component in COMPONENTS[model]}

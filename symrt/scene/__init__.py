@@ -9,6 +9,7 @@ from symrt.scene.lights import AmbientLight, DirectionalLight, Illumination, Lig
 from symrt.scene.materials import Material
 from symrt.scene.media import glasses, refractive_index
 from symrt.scene.records import Scene
+from symrt.scene.sky import Environment, SkyRegion
 from symrt.scene.surface_lights import SurfaceLight
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Camera",
     "DirectionalLight",
     "DiskLight",
+    "Environment",
     "Illumination",
     "Interreflection",
     "Light",
@@ -23,6 +25,7 @@ __all__ = [
     "PointLight",
     "RectangleLight",
     "Scene",
+    "SkyRegion",
     "SphereLight",
     "SurfaceLight",
     "Window",

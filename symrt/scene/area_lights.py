@@ -7,55 +7,22 @@ Gauss points on it.  A light is seen in the picture, in mirrors and through glas
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from symrt.arrays import dot, length, normalise
+from symrt.arrays import PerRay, dot, length, normalise
 from symrt.errors import hinting, refuse, shown
 from symrt.geometry import Disk, Rectangle, Sphere, Triple
 from symrt.geometry.flats import plane_axes
 from symrt.geometry.records import LARGEST, column, moved
 from symrt.scene.checks import Number, check_name, check_number, check_triple, check_whole, floats, settle
-from symrt.scene.figures import as_a_whole, gauss_points, perpendicular
-from symrt.scene.lights import Answering, Illumination, Nearest, Points, Via
+from symrt.scene.figures import as_a_whole, drawn_place, gauss_points, perpendicular
+from symrt.scene.lights import Illumination, Nearest, Points, Via
 from symrt.scene.outlines import DARK, Outline
 
 SQUARE = 1e-6
 """Largest cosine between edges that are perpendicular."""
-
-
-@runtime_checkable
-class AreaLight(Answering, Protocol):
-    """The members that the tracer asks of a light with an area, beside those of every light."""
-
-    @property
-    def grid(self) -> int:
-        """Corners across the grid of places from which the share that is seen is found."""
-        ...
-
-    @property
-    def refinement(self) -> int:
-        """Number of times that cells of the grid may be cut in four."""
-        ...
-
-    def outline(self, points: Points) -> Outline:
-        """The flat figure that the light looks like from each point."""
-        ...
-
-    @property
-    def visible(self) -> bool:
-        """True if rays from the eye, from mirrors and from glass see it."""
-        ...
-
-    @property
-    def shape(self) -> Rectangle | Disk | Sphere:
-        """The shape that they meet, which has the light's name in place of a material's."""
-        ...
-
-    def facing(self, points: Points, normals: Points) -> Illumination:
-        """The light as one sample, exact for diffusers: the vector irradiance from above each point's horizon."""
-        ...
 
 
 @hinting
@@ -125,6 +92,10 @@ class RectangleLight:
         """One sample that stands for all of it: its vector irradiance."""
         return as_a_whole(self.outline(points), normals)
 
+    def drawn(self, points: Points, u: PerRay, v: PerRay) -> Illumination:
+        """One of its places for each point, right on average."""
+        return drawn_place(self.outline(points), 2 * u - 1, 2 * v - 1)
+
     def samples(self, points: Points) -> tuple[Illumination, ...]:
         """Its Gauss points, which materials with highlights are lit by."""
         return tuple(gauss_points(self.outline(points), self.points))
@@ -193,6 +164,10 @@ class DiskLight:
     def facing(self, points: Points, normals: Points) -> Illumination:
         """One sample that stands for all of it: its vector irradiance."""
         return as_a_whole(self.outline(points), normals)
+
+    def drawn(self, points: Points, u: PerRay, v: PerRay) -> Illumination:
+        """One of its places for each point, right on average."""
+        return drawn_place(self.outline(points), 2 * u - 1, 2 * v - 1)
 
     def samples(self, points: Points) -> tuple[Illumination, ...]:
         """Its Gauss points, which materials with highlights are lit by."""
@@ -270,6 +245,10 @@ class SphereLight:
     def facing(self, points: Points, normals: Points) -> Illumination:
         """One sample that stands for all of it: its vector irradiance."""
         return as_a_whole(self.outline(points), normals)
+
+    def drawn(self, points: Points, u: PerRay, v: PerRay) -> Illumination:
+        """One of its places for each point, right on average."""
+        return drawn_place(self.outline(points), 2 * u - 1, 2 * v - 1)
 
     def samples(self, points: Points) -> tuple[Illumination, ...]:
         """Its Gauss points, which materials with highlights are lit by."""

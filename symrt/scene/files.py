@@ -37,6 +37,7 @@ from symrt.scene.lights import AmbientLight, DirectionalLight, PointLight
 from symrt.scene.materials import Material
 from symrt.scene.media import WINDOWS
 from symrt.scene.records import Scene
+from symrt.scene.sky import Environment
 from symrt.scene.surface_lights import SurfaceLight
 
 KINDS: dict[str, dict[str, type]] = {
@@ -51,6 +52,7 @@ KINDS: dict[str, dict[str, type]] = {
             DiskLight,
             SphereLight,
             SurfaceLight,
+            Environment,
         )
     },
     "textures": {kind.type: kind for kind in (Checker, LabelImage, WeightImage, BandedRelief)},
@@ -137,7 +139,14 @@ class Document:
     lights: dict[
         str,
         Annotated[
-            PointLight | DirectionalLight | AmbientLight | RectangleLight | DiskLight | SphereLight | SurfaceLight,
+            PointLight
+            | DirectionalLight
+            | AmbientLight
+            | RectangleLight
+            | DiskLight
+            | SphereLight
+            | SurfaceLight
+            | Environment,
             Field(discriminator="type"),
         ],
     ] = field(default_factory=dict)

@@ -17,7 +17,7 @@ from symrt.errors import hinting, refuse
 from symrt.geometry import Triple
 from symrt.geometry.directions import by_kernel
 from symrt.scene.checks import check_name, check_triple, floats, settle
-from symrt.scene.outlines import Outline
+from symrt.scene.outlines import Directions, Outline
 
 Points = Float[np.ndarray, "3 n"]
 Via = Literal["direct", "ambient", "emitted"]
@@ -42,13 +42,14 @@ class Illumination:
     falloff
         Irradiance on a surface that faces the light, per unit of the light's symbol.
     figure
-        The figure that the light looks like, where the sample stands for all of it; None where it stands for a place.
+        The figure that the light looks like, or the directions that stand for it, where the sample stands for all of
+        it; None where it stands for a place.
     """
 
     direction: Points | None
     distance: Float[np.ndarray, " n"]
     falloff: Float[np.ndarray, " n"]
-    figure: Outline | None = None
+    figure: Outline | Directions | None = None
 
     @property
     def towards(self) -> Points:

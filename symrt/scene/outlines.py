@@ -1,4 +1,4 @@
-"""The flat figures that area lights look like, as they are seen from points (step 1)."""
+"""The flat figures that area lights look like, as they are seen from points, and directions to the sky (step 1)."""
 
 from dataclasses import dataclass
 
@@ -71,6 +71,31 @@ class Outline:
         """True for the points on the side that shines, farther from the figure's plane than rounding may take them."""
         room = ROOM * (length(self.centre) + length(self.across) + length(self.up))
         return -dot(self.centre, self.normal) > room
+
+
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """The directions that stand for a region of the sky, so that it can be found which of them are free.
+
+    Parameters
+    ----------
+    towards
+        Unit vectors.
+    weight
+        The solid angle that each stands for, times the region's radiance there.
+    lowest, highest
+        Sines of the elevations between which all of the region is, above the horizon of `up`.
+    """
+
+    towards: Float[np.ndarray, "3 direction"]
+    weight: Float[np.ndarray, " direction"]
+    lowest: float
+    highest: float
+    up: Float[np.ndarray, "3 1"]
+
+    def of(self, chosen: object) -> "Directions":  # noqa: ARG002  the sky looks the same from everywhere
+        """The directions themselves: the sky looks the same from all points."""
+        return self
 
 
 def place(figure: Outline, u: Share, v: Share) -> tuple[Vectors, PerRay]:

@@ -42,7 +42,7 @@ class Scene:
     shapes
         The surfaces, each with the name of its material or texture.
     materials, lights, textures
-        Records with unique names.
+        Records with unique names; an environment is taken apart into the lights of its regions.
     depth
         Number of mirror bounces followed; the light cut off after them is bounded and reported.
     interreflection
@@ -85,6 +85,8 @@ class Scene:
         for key in ("shapes", "materials", "lights", "textures"):
             settle(self, **{key: tuple(getattr(self, key))})
         settle(self, windows=tuple(self.windows) if isinstance(self.windows, list) else self.windows)
+        # An environment is the lights of its regions.
+        settle(self, lights=tuple(part for light in self.lights for part in getattr(light, "lights", (light,))))
         refuse(_scene_faults(self))
 
     @property

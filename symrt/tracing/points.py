@@ -11,10 +11,9 @@ from symrt.arrays import dot
 from symrt.geometry.directions import whole_rows
 from symrt.reflection.models import Model
 from symrt.reflection.symbols import FRESNEL, VIEW
-from symrt.scene.area_lights import AreaLight
-from symrt.scene.figures import drawn_place
 from symrt.scene.lights import Answering, Illumination
 from symrt.scene.surface_lights import SurfaceLight
+from symrt.scene.wide_lights import WideLight
 from symrt.symbols import Surface
 from symrt.tracing.factors import coded, factors
 from symrt.tracing.gathering import GATHERED, LIGHT, PATH, SEED, drawn
@@ -42,7 +41,7 @@ class Reached:
     error
         The estimated error of `visible`, where it is not exact.
     diffusing
-        Of a light with an area: True if the sample is for diffusers, False if it is for materials with highlights.
+        True for diffusers, False for materials with highlights, of a light that comes from many directions.
     """
 
     light: Answering
@@ -68,7 +67,7 @@ def points(stage: Stage, effects: AtWork, view: View) -> tuple[Points, ...]:
     asking = _asking(stage, shares, view.slot.size)
     reached = []
     for light in stage.lights:
-        if isinstance(light, AreaLight):
+        if isinstance(light, WideLight):
             reached += _reached_from(stage, effects, light, view, shares)
             reached += _reached_from_a_place(stage, effects, light, view, asking)
         else:
@@ -126,20 +125,20 @@ def _reached(
 
     # The share of it that is not hidden on the way.
     at, visible, error = at.of(hit), np.ones(hit.size), None
-    figures = at.figure is not None
+    figures = type(at.figure)
     if light.shadows:
         for effect in effects.simulated:
-            if effect.arriving is not None and effect.figures == figures:
+            if effect.arriving is not None and effect.figures is figures:
                 passed = effect.arriving(stage, view, light, hit, at)
                 visible, error = visible * passed.share, passed.error
     bounded = light.calls_for in effects.left_out or (
-        light.shadows and any(effect.arriving is not None and effect.figures == figures for effect in effects.bounded)
+        light.shadows and any(effect.arriving is not None and effect.figures is figures for effect in effects.bounded)
     )
     return Reached(light, position, at.direction, at.falloff, visible, bounded, error)
 
 
-def _reached_from(stage: Stage, effects: AtWork, light: AreaLight, view: View, shares: Shares) -> list[Reached]:
-    """The hits that a light with an area reaches: diffusers as a whole, materials with highlights by its places."""
+def _reached_from(stage: Stage, effects: AtWork, light: WideLight, view: View, shares: Shares) -> list[Reached]:
+    """The hits that a wide light reaches: diffusers as a whole, materials with highlights by its places."""
     # The hits of both kinds of material; a texture may blend them.  Where light is gathered one place is enough.
     seen = view.state[GATHERED] == 0 if GATHERED in view.state else np.ones(view.slot.size, dtype=bool)
     needed = {True: np.zeros(view.slot.size, dtype=bool), False: np.zeros(view.slot.size, dtype=bool)}
@@ -163,11 +162,11 @@ def _reached_from(stage: Stage, effects: AtWork, light: AreaLight, view: View, s
 def _reached_from_a_place(
     stage: Stage,
     effects: AtWork,
-    light: AreaLight,
+    light: WideLight,
     view: View,
     asking: Bool[np.ndarray, " hit"],
 ) -> list[Reached]:
-    """The hits at which paths gather light, each reached from one place that is drawn on a light with an area."""
+    """The hits at which paths gather light, each reached from one place that is drawn on a wide light."""
     asked, bounces = stage.interreflection, view.state.get(GATHERED)
     if asked is None or bounces is None or not bounces.any():
         return []
@@ -176,7 +175,7 @@ def _reached_from_a_place(
         hit = np.flatnonzero(bounces == bounce)
         path = view.state[PATH][hit]
         u[hit], v[hit] = drawn(view.state[SEED][hit], path, asked.paths, 4 * (bounce - 1) + LIGHT)
-    sample = drawn_place(light.outline(view.surface.point), 2 * u - 1, 2 * v - 1)
+    sample = light.drawn(view.surface.point, u, v)
     return [_reached(stage, effects, light, sample, view, asking & (bounces > 0))]
 
 
@@ -223,7 +222,7 @@ def _shares(stage: Stage, effects: AtWork, view: View) -> dict[str, tuple[Index,
     """Hits and weights of each material, a texture's blends taken apart; hits ascend."""
     parts: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for slot in np.unique(view.slot):
-        # Lamps that are seen have no material.
+        # Lamps that are seen have no material, and the sky has none.
         if stage.slots[slot] in stage.remembered:
             continue
         hit = np.flatnonzero(view.slot == slot)

@@ -15,12 +15,13 @@ from symrt.geometry.rays import clearance, translate
 from symrt.geometry.triangle_mesh import TriangleMesh
 from symrt.reflection.bounds import largest
 from symrt.reflection.models import INDEX, LIT
-from symrt.scene.area_lights import AreaLight
 from symrt.scene.cameras import Camera, moved_camera
 from symrt.scene.interreflection import Interreflection
 from symrt.scene.lights import Answering, answering
 from symrt.scene.materials import Material
 from symrt.scene.records import Scene
+from symrt.scene.sky import Sky
+from symrt.scene.wide_lights import AreaLight, WideLight
 from symrt.symbols import Surface
 from symrt.tracing.raytree import LightRecord, MaterialRecord
 from symrt.windows import SpectralWindow, windows_of
@@ -46,6 +47,8 @@ class Stage:
         For each material, others whose formulas are also evaluated at its points.
     lights
         Each light, seen from the camera: those with a direction first, by name.
+    sky
+        The regions of the sky.
     remembered
         The tree's record of each light, in the scene's order.
     sending
@@ -67,6 +70,7 @@ class Stage:
     materials: Mapping[str, MaterialRecord]
     alternatives: Alternatives
     lights: tuple[Answering, ...]
+    sky: tuple[Sky, ...]
     remembered: Mapping[str, LightRecord]
     depth: int
     interreflection: Interreflection | None
@@ -108,6 +112,11 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
     lamps = [light.shape for light in lights if isinstance(light, AreaLight) and light.visible]
     seen = gathered([*shapes, *lamps]) if lamps else shapes
     slots, first = _numbered(seen)
+
+    # The sky, where nothing is met: the last slot, which a hit of the shape −1 finds.
+    sky = tuple(light for light in lights if isinstance(light, Sky))
+    if sky:
+        slots, first = (*slots, sky[0].name), np.append(first, len(slots))
     return Stage(
         camera=camera,
         shapes=shapes,
@@ -119,6 +128,7 @@ def make_stage(scene: Scene, alternatives: Alternatives | None = None) -> Stage:
         alternatives=alternatives,
         lights=tuple(sorted((light for light in lights if light.via == "direct"), key=lambda light: light.name))
         + tuple(light for light in lights if light.via != "direct"),
+        sky=sky,
         remembered={light.name: _remembered(light, camera, shapes, scene) for light in lights},
         depth=scene.depth,
         interreflection=scene.interreflection,
@@ -246,6 +256,7 @@ def _materials(scene: Scene, alternatives: Alternatives) -> dict[str, MaterialRe
 def _remembered(light: Answering, camera: Camera, shapes: Shapes, scene: Scene) -> LightRecord:
     """The tree's record of a light; a lamp that is seen has the radiance 1."""
     shown = 1.0 if isinstance(light, AreaLight) and light.visible else 0.0
+    shown = light.brightest if isinstance(light, Sky) else shown
     return LightRecord(light.via, light.white(camera.target), _bound(light, shapes, scene), shown)
 
 
@@ -259,10 +270,10 @@ def _record(material: Material, scene: Scene) -> MaterialRecord:
 
 
 def _bound(light: Answering, shapes: Shapes, scene: Scene) -> float:
-    """The light's own bound; diffusers get no more from a light with an area than from the whole sky, π."""
+    """The light's own bound; diffusers get no more from what has the radiance 1 than from the whole sky, π."""
     bound = light.bound(partial(_nearest, shapes))
-    if isinstance(light, AreaLight) and all(material.reflection.diffusing for material in scene.materials):
-        return min(bound, np.pi)
+    if isinstance(light, WideLight) and all(material.reflection.diffusing for material in scene.materials):
+        return min(bound, np.pi * (light.brightest if isinstance(light, Sky) else 1.0))
     return bound
 
 

@@ -122,9 +122,9 @@ def _levels(stage: Stage, effects: AtWork, batch: Batch, tally: Tally, tolerance
     cast = Counter({CAMERA: batch.sample.size})
     while batch.sample.size:
         with tally.shared(cast):
-            # Where the rays of all branches end; those that meet nothing are dropped.
+            # Where the rays of all branches end; those that meet nothing are dropped, unless they see the sky.
             hits = nearest(stage.seen, batch.rays)
-            found = np.flatnonzero(hits.shape >= 0)
+            found = np.flatnonzero((hits.shape >= 0) | bool(stage.sky))
             batch, hits = batch.of(found), hits.of(found)
 
             # The surfaces there, what rays went through on their way, and the light that reaches them.

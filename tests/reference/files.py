@@ -16,6 +16,7 @@ from reference.lights import directional_light, point_light
 from reference.meshes import mesh
 from reference.records import Hit, Ray, Scene, Spectrum, Table
 from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
+from reference.sky import seen_sky, sky_lamps
 from reference.textures import banded_relief, checker, label_image, weight_image
 from reference.tracer import mirror_ray
 from reference.vectors import Vector
@@ -38,6 +39,9 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
         for name, t in file.get("textures", {}).items()
     }
 
+    skies = {name: t for name, t in file["lights"].items() if t["type"] == "environment"}
+    of_skies = {light: lamp for name, t in skies.items() for light, lamp in sky_lamps(name, t).items()}
+
     def onwards(hit: Hit, to_eye: Vector) -> list[Ray]:
         # Each glass bends for itself; all that mirror at a point send the same ray.
         there = textures[hit.material](hit) if hit.material in textures else {hit.material: 1.0}
@@ -55,7 +59,12 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
         shapes=[mesh(t, folder) if t["type"] == "mesh" else kinds[t["type"]](t) for t in file["shapes"]],
         lights={name: lights[t["type"]](t) for name, t in file["lights"].items() if t["type"] in lights},
         ambient=[name for name, t in file["lights"].items() if t["type"] == "ambient"],
-        unshadowed={name for name, t in file["lights"].items() if not t.get("shadows", True)},
+        unshadowed={
+            light
+            for name, t in file["lights"].items()
+            if not t.get("shadows", True)
+            for light in (name, *(sky_lamps(name, t) if name in skies else ()))
+        },
         materials=file["materials"],
         textures=textures,
         depth=file.get("depth", 4),
@@ -64,7 +73,8 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
         lanterns=tuple(
             kinds[t["type"]]({**t, "material": name}) for name, t in file["lights"].items() if t.get("visible")
         ),
-        lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"},
+        lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"} | of_skies,
+        skies=tuple(seen_sky(name, t) for name, t in skies.items()),
         least=1e-3 if any(map(of_glass, file["materials"].values())) else 0.0,
     )
 

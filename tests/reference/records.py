@@ -78,7 +78,8 @@ class Scene(NamedTuple):
 
     `sending` are the rules by which hits send rays on, `emitting` those by which they shine; `film` takes the place of
     the camera's regular samples.  `glowing` names the material of each light that surfaces send by themselves;
-    `lanterns` are the shapes of lamps that are seen, with the lamp's name for a material: they hide nothing from light.
+    `lanterns` are the shapes of lamps that are seen, with the lamp's name for a material: they hide nothing from light;
+    `skies` give the radiance of lights from a direction in which nothing is met.
     `beyond` names a spectrum: the radiance that each ray brings which the depth cuts
     off; black if it is None.  Rays that carry less than `least` of what their sample of the film sees are not followed.
     """
@@ -95,6 +96,7 @@ class Scene(NamedTuple):
     emitting: tuple[Emitting, ...] = ()
     lamps: Mapping[str, Lamp] = {}
     glowing: Mapping[str, str] = {}
+    skies: tuple[Callable[[Vector], dict[str, float]], ...] = ()
     lanterns: tuple[Shape, ...] = ()
     film: Film | None = None
     beyond: str | None = None

@@ -31,7 +31,8 @@ def radiance(
     black = [0.0] * len(next(iter(spectra.values())))
     hit = nearest(scene, origin, direction, seeing=True)
     if hit is None or hit.material in scene.lamps:
-        return dimmed(spectra, within, hit, spectra[hit.material]) if hit and shines(hit, direction, via) else black
+        seen = light_itself(scene, spectra, hit, direction, via)
+        return dimmed(spectra, within, hit, seen) if hit else seen
 
     # Both normals turn to the eye, and the materials there share the point.
     to_eye = scale(-1, direction)
@@ -82,9 +83,19 @@ def after(within: tuple[str, ...], hit: Hit, ray: Ray) -> tuple[str, ...]:
     return within[:last] + within[last + 1 :]
 
 
-def shines(lamp: Hit, direction: Vector, via: str) -> bool:
-    """True if a lamp is seen from its front; a surface that gathers light is lit by it already."""
-    return dot(lamp.normal, direction) < 0 and via != "direct"
+def light_itself(
+    scene: Scene, spectra: Mapping[str, Spectrum], lamp: Hit | None, direction: Vector, via: str
+) -> Spectrum:
+    """The radiance of a lamp, from its front, or of the sky; a surface that gathers light is lit by them already."""
+    total = [0.0] * len(next(iter(spectra.values())))
+    if via == "direct":
+        return total
+    if lamp is not None:
+        return list(spectra[lamp.material]) if dot(lamp.normal, direction) < 0 else total
+    for sky in scene.skies:
+        for light, amount in sky(direction).items():
+            gather(total, amount, spectra[light])
+    return total
 
 
 def mirror_ray(hit: Hit, to_eye: Vector) -> list[Ray]:

@@ -11,9 +11,9 @@ import pytest
 
 import symrt as rt
 from symrt.arrays import dot
-from symrt.scene.area_lights import AreaLight
 from symrt.scene.figures import begins
 from symrt.scene.lights import answering
+from symrt.scene.wide_lights import AreaLight
 
 RECTANGLE = rt.RectangleLight("lamp", centre=(0.25, 0.5, 0.125), edge_u=(2, 0, 0), edge_v=(0, 0.75, -1))
 DISK = rt.DiskLight("lamp", centre=(0.25, 0.5, 0.125), normal=(1, -2, 0.5), radius=0.75)

@@ -155,7 +155,7 @@ WRONG = {
         GOOD.replace('type = "directional"', ""),
         [
             "lights.sun.type: missing; there are 'point', 'directional', 'ambient', 'rectangle', 'disk', 'sphere', "
-            "'surface'"
+            "'surface', 'environment'"
         ],
     ),
     "an unknown model": (

@@ -10,6 +10,7 @@ from symrt.tracing.effects.caustics import CAUSTICS
 from symrt.tracing.effects.dispersion import DISPERSION
 from symrt.tracing.effects.effect import Call, Effect, Passed, Segment, Sent
 from symrt.tracing.effects.emission import EMISSION
+from symrt.tracing.effects.environment import ENVIRONMENT
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.fluorescence import FLUORESCENCE
 from symrt.tracing.effects.interreflection import INTERREFLECTION
@@ -31,6 +32,7 @@ EFFECTS: tuple[Effect, ...] = (
     INTERREFLECTION,
     AMBIENT,
     EMISSION,
+    ENVIRONMENT,
     FLUORESCENCE,
     TEXTURES,
     LENS,

@@ -49,7 +49,7 @@ def _segment(stage: Stage, batch: Batch, view: View, distance: PerHit) -> Segmen
         formula = stage.materials[name].model.inside
         through = media % base == number
         if formula != 0 and through.any():
-            inside[named(name, formula.name)] = np.where(through, distance, 0.0)
+            inside[named(name, formula.name)] = np.where(through & np.isfinite(distance), distance, 0.0)
     outside = dot(view.surface.normal, view.viewer) > 0
     return Segment(inside, {MEDIA: media, OUTSIDE: outside})
 
@@ -59,7 +59,7 @@ def _around_the_eye(stage: Stage, batch: Batch, glasses: tuple[str, ...], base: 
     eye = np.zeros(3)
     around = sorted(
         (-clearance(shape, eye), number)
-        for first, shape in zip(stage.first_slot, stage.seen, strict=True)
+        for first, shape in zip(stage.first_slot, stage.seen, strict=False)  # after them comes the sky
         for number in [_glass_of(stage, stage.slots[first], glasses)]
         if number and encloses(shape, eye)
     )

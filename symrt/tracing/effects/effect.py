@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from types import NoneType
 from typing import Literal
 
 import numpy as np
@@ -158,7 +159,7 @@ class Effect:
     arriving
         The share of a light's sample, as seen from the given hits, that reaches them, in [0, 1].
     figures
-        True if `arriving` is for samples that stand for a whole figure, else for those that stand for a place.
+        The kind of figure of the samples that `arriving` is for; that of None for samples that stand for a place.
     segment
         What rays met on their way to their hits, whose distances are given; asked also where the effect is left out.
     emitted
@@ -179,7 +180,7 @@ class Effect:
     film: Callable[[Camera, Window], tuple[Film, Rays]] | None = None
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
     arriving: Callable[[Stage, View, Light, Which, Illumination], Passed] | None = None
-    figures: bool = False
+    figures: type = NoneType
     segment: Callable[[Stage, Batch, View, PerHit], Segment] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None

@@ -9,9 +9,9 @@ meet it a second time.  No ray is cast for any of it, and no other surface is li
 import numpy as np
 
 from symrt.arrays import dot
-from symrt.scene.area_lights import AreaLight
 from symrt.scene.records import Scene
 from symrt.scene.surface_lights import SurfaceLight
+from symrt.scene.wide_lights import AreaLight
 from symrt.tracing.effects.effect import Call, Effect
 from symrt.tracing.raytree import Emitted
 from symrt.tracing.stage import Alternatives, Stage

@@ -19,10 +19,10 @@ from jaxtyping import Bool, Float, Int
 from symrt.arrays import Vectors, dot
 from symrt.geometry.meeting import occluded
 from symrt.geometry.rays import BLOCK, spawn
-from symrt.scene.area_lights import AreaLight
 from symrt.scene.lights import Illumination, Light
 from symrt.scene.outlines import Outline, begins, place
 from symrt.scene.records import Scene
+from symrt.scene.wide_lights import AreaLight
 from symrt.tracing.effects.effect import Call, Effect, Passed
 from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import View, Which
@@ -93,7 +93,7 @@ def _visible(stage: Stage, view: View, light: Light, hit: Which, at: Illuminatio
     return Passed(share, error, rays=sum(cast))
 
 
-PENUMBRAE = Effect("penumbrae", _call, arriving=_visible, figures=True)
+PENUMBRAE = Effect("penumbrae", _call, arriving=_visible, figures=Outline)
 
 
 def _fineness(light: Light) -> tuple[int, int]:
@@ -103,8 +103,8 @@ def _fineness(light: Light) -> tuple[int, int]:
 
 
 def _given(at: Illumination) -> Outline:
-    if at.figure is None:
-        raise TypeError("a sample that stands for a place has no penumbra: ask for its shadow")
+    if not isinstance(at.figure, Outline):
+        raise TypeError("a sample that stands for no figure has no penumbra: ask for its shadow")
     return at.figure
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from symrt.geometry.meeting import occluded
 from symrt.geometry.rays import spawn
-from symrt.scene.area_lights import AreaLight
 from symrt.scene.lights import Illumination, Light
 from symrt.scene.records import Scene
+from symrt.scene.wide_lights import WideLight
 from symrt.tracing.effects.effect import Call, Effect, Passed
 from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import View, Which
@@ -24,11 +24,11 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:
 
 
 def _places(light: Light, scene: Scene, alternatives: Alternatives) -> int:
-    """The places of a light that cast shadows; one with an area has some for materials with highlights, and for paths.
+    """The places of a light that cast shadows; a wide one has some for materials with highlights, and for paths.
 
     Where paths gather light it is seen from one place of it at each hit.
     """
-    if not isinstance(light, AreaLight):
+    if not isinstance(light, WideLight):
         return 1
     gathering = 1 if scene.interreflection is not None and scene.interreflection.depth else 0
     used = {*scene.used_materials, *(other for others in alternatives.values() for other in others)}
