@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from scenes_for_tests import small
 
 import symrt as rt
 
@@ -59,3 +60,28 @@ def test_a_render_larger_than_memory_is_refused_with_its_estimate_and_the_way_ar
     assert said.startswith("symrt: about 17 million pixels, ")
     assert "0.01 GiB are there: render it smaller, or in parts on larger machines, or say how much there is" in said
     assert written(tmp_path) == []
+
+
+def test_a_parameter_stays_free_and_is_settled_without_a_render(run):
+    code, out, _ = run(
+        "render", "first", *SMALL, "--free", "red.exponent=10,160", "--error", "1e-3", "--out", "free.npz"
+    )
+    assert code == 0
+    assert "red.exponent errs by at most" in out
+    nodes = rt.load_system("free.npz").parameters["red.exponent"]
+    assert (nodes.low, nodes.high) == (10.0, 160.0)
+    assert nodes.error <= 1e-3
+    assert run("settle", "free.npz", "red.exponent=40", "--out", "settled.npz")[0] == 0
+    settled, given = rt.load_system("settled.npz"), rt.collapse(rt.trace(small("first", 24)))
+    assert settled.interactions == given.interactions
+    np.testing.assert_allclose(settled.G.toarray(), given.G.toarray(), atol=nodes.error)
+    for words, says in (
+        (["settle", "free.npz", "red.exponent=400", "--out", "x.npz"], "the system was collapsed for [10.0, 160.0]"),
+        (["settle", "free.npz", "red.exponent", "--out", "x.npz"], "write NAME=VALUE, such as brass.exponent=40"),
+        (["render", "first", "--free", "red.exponent=wide"], "--free 'red.exponent=wide': 'wide' is no number"),
+        (["render", "first", "--free", "red.exponent=10"], "write NAME=LOW,HIGH, NAME=first-order or"),
+    ):
+        code, _, said = run(*words)
+        assert code == 2
+        assert says in said
+        assert said.count("\n") == 1

@@ -55,7 +55,7 @@ def test_the_error_of_nodes_is_a_bound(formula, ends):
         nodes = freed(materials, {"desk.theta": ends}, error)["desk.theta"]
         assert nodes.error <= error
         assert nodes.scale == ("log" if ends[0] > 0 else "linear")
-        for theta, cosines in draws(ends):
+        for theta, cosines in draws(ends, 50):
             parts = [exact(value, cosines) for value in nodes.values]
             found = sum(w * p for w, p in zip(nodes.weights(theta), parts, strict=True))
             assert abs(found - exact(theta, cosines)) <= nodes.error
