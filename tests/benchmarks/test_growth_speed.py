@@ -22,12 +22,10 @@ def test_time_grows_no_faster_than_pixels_and_lights(measure, report, benchmark)
     assert max(found.slopes) <= STEEPEST
 
 
-def test_time_grows_with_the_logarithm_of_the_shapes(report, benchmark):
-    # A logarithm adds as much from each doubling to the next: the last ones may add no more than twice the mean.
+def test_time_grows_far_more_slowly_than_the_shapes(report, benchmark):
+    # Rays cost a logarithm; what is made of each shape once, and that each is asked at all, is in proportion.
     found = benchmark.pedantic(growth.with_shapes, rounds=1)
     report(f"{found}, {found.a_doubling * 1e3:.0f} ms each doubling")
-    last = (found.times[-1] - found.times[-2]) / np.log2(found.counts[-1] / found.counts[-2])
-    assert last <= 2 * found.a_doubling
     assert max(found.slopes) < 0.5
 
 
