@@ -11,7 +11,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from scenes_for_tests import SCENES, hall_of_mirrors, small, two_materials
+from scenes_for_tests import SCENES, hall_of_mirrors, two_materials
 
 import symrt as rt
 from symrt.linear.digests import described
@@ -163,7 +163,8 @@ def test_a_killed_render_resumes(tmp_path):
     process.send_signal(signal.SIGKILL)
     process.wait()
     assert 5 <= len(list(folder.glob("tile-*.npz"))) < 60
-    scene = small("globe", 60)
+    scene = rt.load_scene(SCENES / "globe.toml")
+    scene = replace(scene, camera=replace(scene.camera, width=60, height=60))
     assert same_bits(rt.render(scene, save=folder, progress=False), rt.render(scene, progress=False))
 
 
