@@ -23,7 +23,8 @@ def small(name: str, size: int, samples: int = 1) -> rt.Scene:
     eye = replace(scene.camera, width=size, height=size, samples=samples)
     if eye.aperture or eye.f_number:
         eye = replace(eye, lens_samples=2)
-    return replace(scene, camera=eye, lights=lights)
+    few = None if scene.interreflection is None else rt.Interreflection(2, scene.interreflection.depth)
+    return replace(scene, camera=eye, lights=lights, interreflection=few)
 
 
 def palettes(name: str) -> dict[str, rt.Palette]:

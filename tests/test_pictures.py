@@ -14,7 +14,7 @@ import tomli_w
 import symrt as rt
 
 SCENES = sorted((Path(__file__).parents[1] / "scenes").glob("*.toml"))
-SMALLER = {"lens": 14, "many_lights": 3, "prism": 9}
+SMALLER = {"cornell": 14, "lens": 14, "many_lights": 3, "prism": 9}
 """Pixels across pictures of scenes that cost a scalar tracer more than others."""
 COMPONENTS = {
     "lambert": ["diffuse"],
@@ -35,7 +35,9 @@ COMPONENTS = {
 def disagreement(path, palette, width, height):
     """The largest relative difference of any pixel in any band; infinite where only one of the two is black."""
     scene = rt.load_scene(path)
-    scene = replace(scene, camera=replace(scene.camera, width=width, height=height, lens_samples=4))
+    # What paths gather is held against the same paths in `test_interreflection`.
+    eye = replace(scene.camera, width=width, height=height, lens_samples=4)
+    scene = replace(scene, camera=eye, interreflection=None)
     # Lengths in absorbing glass are interpolated: as finely as can be told from the lengths themselves.
     system = rt.render(scene, error=1e-13, lengths="chebyshev", progress=False)
     seen = rt.shade(system, rt.load_palettes(path)[palette]).values

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import sympy
 
+from symrt.reflection.models import LIT
 from symrt.reflection.symbols import Factor, Hat, Light, Ordered, Parameter, Reflectance
 from symrt.symbols import Surface, named
 from symrt.tracing.raytree import Branch, Emitted, Level, Lit, Points, RayTree
@@ -143,10 +144,14 @@ def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, l
         for light, factor, at_light in _arriving(tree, points, lit, point, place, letters)
     ]
 
-    # The radiance that further rays bring.
+    # The radiance that further rays bring; what many paths gather is told by its sums.
+    paths: dict[str, list[tuple[float, int]]] = {}
     for mark, branch, ray, below in _rays(tree, place.depth, int(points.hit[point])):
         formula = formulas[branch.via]
         if formula != 0 and branch.sent_by(points):
+            if tree.paths and branch.via in LIT:
+                paths.setdefault(branch.via, []).append((float(branch.weight[ray]), below))
+                continue
             beyond = place.beyond(mark)
             # The ray's cosines belong to the hit it leaves from; where it ends a light has cosines of the same names.
             own = {Factor(k): letters.letter(k, values[ray], "to", str(beyond)) for k, values in branch.factors.items()}
@@ -155,7 +160,26 @@ def _sent_by_material(tree: RayTree, points: Points, point: int, place: Place, l
             share *= _window(tree, branch, ray, tree.levels[place.depth])
             # Light meets what lies further from the eye first.
             total.append(share * _radiance(tree, below, beyond, letters) * formula.xreplace(bound | view | own))
+    for via, rays in paths.items():
+        total.append(_gathered(tree, rays, place, letters) * formulas[via].xreplace(bound | view))
     return sympy.Add(*total)
+
+
+def _gathered(tree: RayTree, rays: Sequence[tuple[float, int]], place: Place, letters: Letters) -> sympy.Expr:
+    """The radiance that paths bring together: for each product of spectra a letter ``E``, the largest first."""
+    found: dict[sympy.Expr, float] = {}
+    for weight, below in rays:
+        own = Letters()
+        brought = _radiance(tree, below, place.beyond("a"), own)
+        known = {Factor(name): sympy.Float(value) for name, value in own.values.items()} | {
+            sympy.pi: sympy.Float(np.pi)
+        }
+        for product, sum_ in sympy.expand(brought.xreplace(known)).as_coefficients_dict().items():
+            # Numbers that are no rational ones stand in the product.
+            c, spectra = product.as_coeff_Mul()
+            found[spectra] = found.get(spectra, 0.0) + weight * float(sum_ * c)
+    order = sorted(((spectra, c) for spectra, c in found.items() if c), key=lambda pair: (-abs(pair[1]), str(pair[0])))
+    return sympy.Add(*(spectra * letters.letter("E", c, str(k), str(place)) for k, (spectra, c) in enumerate(order, 1)))
 
 
 def _window(tree: RayTree, branch: Branch, ray: int, level: Level) -> sympy.Expr:

@@ -201,3 +201,20 @@ def test_the_noise_told_is_that_of_other_paths(monkeypatch):
     assert rms / 1.5 <= one.noise["lamp"].rms <= 1.5 * rms
     assert "the noise of lamp is about" in repr(one)
     assert rt.render(ball(1, 2), progress=False).noise == {}
+
+
+def test_formula_linear_form_and_pixel_are_one():
+    # Few letters, however many paths: one for each product of spectra that they gathered.
+    scene = cornell(32, 64)
+    tree = rt.trace(scene, window=(10, 28, 11, 29))
+    system = rt.collapse(tree)
+    palette = coloured()
+    pixel = rt.shade(system, palette).values[0, 0]
+    letters, linear = rt.formula(tree, 0, 0), rt.formula(system, 0, 0)
+    for formula in (letters, linear):
+        found = formula.evaluate({symbol: palette[symbol] for symbol in scene.symbols})
+        np.testing.assert_allclose(found, pixel, rtol=1e-14)
+    text = str(letters)
+    assert "lamp*white.diffuse*irradiance*n_dot_l" in text
+    assert "lamp*red.diffuse*E_2" in text
+    assert len(letters.letters) < 20

@@ -19,7 +19,7 @@ from symrt.tracing.tracer import trace_window
 WHOLE = effects.EFFECTS
 
 
-SIZES = {"lens": (16, 48), "many_lights": (8, 24), "prism": (16, 48)}
+SIZES = {"cornell": (16, 40), "lens": (16, 48), "many_lights": (8, 24), "prism": (16, 48)}
 """Pixels across the small and the large picture, of scenes that cost more than others."""
 
 
