@@ -92,8 +92,10 @@ def of_job(job: Job, workers: Workers = None, rows: tuple[int, int] | None = Non
     """The estimate of a job, or of some of its rows, as if all rows were alike."""
     # Render the same view with few pixels, twice: the first time pays for what is paid once.
     camera = job.stage.camera
-    across = min(camera.width, max(1, round((COARSE * camera.width / camera.height) ** 0.5)))
-    down = min(camera.height, max(1, COARSE // across))
+    # Where a sample has many rays fewer are taken, no more in all than of a tile.
+    most = max(1, min(COARSE, RAYS // job.plan.rays_a_sample))
+    across = min(camera.width, max(1, round((most * camera.width / camera.height) ** 0.5)))
+    down = min(camera.height, max(1, most // across))
     stage = replace(job.stage, camera=replace(camera, width=across, height=down, samples=1, lens_samples=2))
     run(job.program, trace_window(stage, job.plan))
     start = time.perf_counter()
