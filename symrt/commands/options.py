@@ -103,7 +103,8 @@ Thrift = Annotated[
     typer.Option(
         "--tolerance",
         metavar="SHARE",
-        help="Rays that carry less of their sample's light are not followed, 0.001; what is lost is bounded.",
+        help="Rays that carry less of a sample's light end, 0.001 if not given; if given, effects that are missed by "
+        "less are left out. What is lost is bounded.",
     ),
 ]
 Freed = Annotated[
