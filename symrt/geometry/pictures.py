@@ -5,6 +5,7 @@ u runs right and v down from the top row, and outside [0, 1] the picture repeats
 
 import warnings
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -25,7 +26,8 @@ LARGEST_PICTURE = 1 << 26
 class LabelImage:
     """A picture whose grey values are indices into `materials`: 0 is the first.
 
-    Each point takes the pixel it lies in, without filtering.  The file is a grey or palette PNG without transparency.
+    Each point takes the pixel it lies in, unless the picture is `filtered`.  The file is a grey or palette PNG without
+    transparency.
 
     Examples
     --------
@@ -36,6 +38,7 @@ class LabelImage:
     name: str
     file: str
     materials: tuple[str, ...]
+    filtered: bool = field(default=False, kw_only=True)
     type: Literal["label_image"] = field(default="label_image", kw_only=True)
 
 
@@ -56,6 +59,7 @@ class WeightImage:
     name: str
     file: str
     materials: tuple[str, ...]
+    filtered: bool = field(default=False, kw_only=True)
     type: Literal["weight_image"] = field(default="weight_image", kw_only=True)
 
 
@@ -66,6 +70,12 @@ class LabelRaster:
     name: str
     materials: tuple[str, ...]
     labels: Int[np.ndarray, "row column"]
+    filtered: bool = False
+
+    @cached_property
+    def table(self) -> Float[np.ndarray, "material below right"]:
+        """For each material the number of its pixels above and to the left of each corner of pixels."""
+        return _summed((self.labels == np.arange(len(self.materials))[:, None, None]).astype(float))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +85,12 @@ class WeightRaster:
     name: str
     materials: tuple[str, ...]
     shares: Float[np.ndarray, "material row column"]
+    filtered: bool = False
+
+    @cached_property
+    def table(self) -> Float[np.ndarray, "material below right"]:
+        """For each material the sum of its weights above and to the left of each corner of pixels."""
+        return _summed(self.shares)
 
 
 Texture = Checker | LabelImage | WeightImage | BandedRelief
@@ -134,9 +150,13 @@ def load_texture(texture: Texture, folder: Path) -> Checker | LabelRaster | Weig
     'tiles'
     """
     if isinstance(texture, LabelImage):
-        return LabelRaster(texture.name, texture.materials, _labels(texture, _pixels(folder, texture)))
+        return LabelRaster(
+            texture.name, texture.materials, _labels(texture, _pixels(folder, texture)), texture.filtered
+        )
     if isinstance(texture, WeightImage):
-        return WeightRaster(texture.name, texture.materials, _pixel_shares(texture, _pixels(folder, texture)))
+        return WeightRaster(
+            texture.name, texture.materials, _pixel_shares(texture, _pixels(folder, texture)), texture.filtered
+        )
     return texture
 
 
@@ -183,6 +203,11 @@ def _png(path: Path, where: str) -> tuple[Shaped[np.ndarray, "row column *channe
         raise ValueError(f"{where}: there is no such file") from error
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise ValueError(f"{where}: {error}; give a whole PNG file") from error
+
+
+def _summed(shares: Float[np.ndarray, "material row column"]) -> Float[np.ndarray, "material below right"]:
+    """Sums over all rows above and all columns to the left, from none to all of them."""
+    return np.pad(shares.cumsum(axis=1).cumsum(axis=2), ((0, 0), (1, 0), (1, 0)))
 
 
 def _check_size(image: Image.Image) -> None:

@@ -22,6 +22,8 @@ Weights = Float[np.ndarray, "material hit"]
 class Checker:
     """Squares of `size` scene units: the first material where ``floor(u·extent/size) + floor(v·extent/size)`` is even.
 
+    A texture that is `filtered` shows its mean over all that a sample of the film covers, not what is in the middle.
+
     Examples
     --------
     >>> Checker(name="tiles", materials=("white", "black"), size=0.5).type
@@ -31,6 +33,7 @@ class Checker:
     name: str
     materials: tuple[str, str]
     size: float | int
+    filtered: bool = field(default=False, kw_only=True)
     type: Literal["checker"] = field(default="checker", kw_only=True)
 
     def __post_init__(self) -> None:
@@ -58,6 +61,7 @@ class BandedRelief:
     levels: tuple[float | int, ...] = (0,)
     materials: tuple[str, ...] = ("sea", "land")
     blend: float | int = 0
+    filtered: bool = field(default=False, kw_only=True)
     type: Literal["banded_relief"] = field(default="banded_relief", kw_only=True)
 
     def __post_init__(self) -> None:

@@ -134,7 +134,7 @@ def _arriving(  # those of the seam
     tally.touch(name, view.sample[hit[passed.share < 1]])
 
 
-def _segment(tally: Tally, name: str, segment: Segment, _stage: Any, _batch: Any, view: View, _distance: Any) -> None:
+def _segment(tally: Tally, name: str, segment: Segment, _stage: Any, _batch: Any, view: View, _hits: Any) -> None:
     for length in segment.inside.values():
         tally.touch(name, view.sample[length > 0])
 

@@ -156,8 +156,8 @@ def _segments(
     # An effect that is left out is bounded by them, too.
     for effect in (*effects.simulated, *effects.bounded):
         if effect.segment is not None:
-            segment = effect.segment(stage, batch, view, hits.distance)
-            inside, view = segment.inside, replace(view, state={**view.state, **segment.state})
+            segment = effect.segment(stage, batch, view, hits)
+            inside, view = {**inside, **segment.inside}, replace(view, state={**view.state, **segment.state})
     return view, inside
 
 

@@ -13,6 +13,7 @@ from symrt.tracing.effects.emission import EMISSION
 from symrt.tracing.effects.environment import ENVIRONMENT
 from symrt.tracing.effects.film import SUPERSAMPLING
 from symrt.tracing.effects.fluorescence import FLUORESCENCE
+from symrt.tracing.effects.footprints import FOOTPRINTS
 from symrt.tracing.effects.interreflection import INTERREFLECTION
 from symrt.tracing.effects.lens import LENS
 from symrt.tracing.effects.mirrors import MIRRORS
@@ -35,6 +36,7 @@ EFFECTS: tuple[Effect, ...] = (
     ENVIRONMENT,
     FLUORESCENCE,
     TEXTURES,
+    FOOTPRINTS,
     LENS,
     SUPERSAMPLING,
 )

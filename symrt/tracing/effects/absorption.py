@@ -14,10 +14,10 @@ import numpy as np
 from jaxtyping import Int
 
 from symrt.arrays import dot
-from symrt.geometry.rays import clearance, encloses
+from symrt.geometry.rays import Hits, clearance, encloses
 from symrt.scene.records import Scene
 from symrt.symbols import Surface, named
-from symrt.tracing.effects.effect import Call, Effect, PerHit, Segment
+from symrt.tracing.effects.effect import Call, Effect, Segment
 from symrt.tracing.stage import Alternatives, Stage, senders
 from symrt.tracing.view import Batch, View
 
@@ -37,7 +37,7 @@ def _call(scene: Scene, alternatives: Alternatives) -> Call:
     return Call(tuple(absorbing), without="no glass absorbs")
 
 
-def _segment(stage: Stage, batch: Batch, view: View, distance: PerHit) -> Segment:
+def _segment(stage: Stage, batch: Batch, view: View, hits: Hits) -> Segment:
     """The lengths that rays went in each absorbing glass, from where they left to their hits."""
     # Glasses by their numbers, from 1; the last digit of a ray's is the innermost that it is in.
     glasses = tuple(name for name, record in stage.materials.items() if record.model.refracts)
@@ -49,7 +49,7 @@ def _segment(stage: Stage, batch: Batch, view: View, distance: PerHit) -> Segmen
         formula = stage.materials[name].model.inside
         through = media % base == number
         if formula != 0 and through.any():
-            inside[named(name, formula.name)] = np.where(through & np.isfinite(distance), distance, 0.0)
+            inside[named(name, formula.name)] = np.where(through & np.isfinite(hits.distance), hits.distance, 0.0)
     outside = dot(view.surface.normal, view.viewer) > 0
     return Segment(inside, {MEDIA: media, OUTSIDE: outside})
 

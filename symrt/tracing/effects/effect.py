@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, Shaped
 
-from symrt.geometry.rays import Rays
+from symrt.geometry.rays import Hits, Rays
 from symrt.scene.cameras import Camera, Window
 from symrt.scene.lights import Illumination, Light
 from symrt.scene.records import Scene
@@ -161,7 +161,7 @@ class Effect:
     figures
         The kind of figure of the samples that `arriving` is for; that of None for samples that stand for a place.
     segment
-        What rays met on their way to their hits, whose distances are given; asked also where the effect is left out.
+        What rays met on their way to their hits; asked also where the effect is left out.
     emitted
         The light that hits send to the viewer by themselves.
     onwards
@@ -181,7 +181,7 @@ class Effect:
     surface: Callable[[Stage, str, View, Which], Mapping[str, PerHit] | None] | None = None
     arriving: Callable[[Stage, View, Light, Which, Illumination], Passed] | None = None
     figures: type = NoneType
-    segment: Callable[[Stage, Batch, View, PerHit], Segment] | None = None
+    segment: Callable[[Stage, Batch, View, Hits], Segment] | None = None
     emitted: Callable[[Stage, View], tuple[Emitted, ...]] | None = None
     onwards: Callable[[Stage, View, tuple[Points, ...]], tuple[Sent, ...]] | None = None
     gathers: tuple[Literal["direct", "ambient"], ...] = ()

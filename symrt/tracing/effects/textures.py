@@ -2,9 +2,13 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
+from symrt.geometry.filtering import averaged
 from symrt.geometry.textures import weights
 from symrt.scene.records import Scene
 from symrt.tracing.effects.effect import Call, Effect, PerHit
+from symrt.tracing.effects.footprints import ALONG_U, ALONG_V
 from symrt.tracing.stage import Alternatives, Stage
 from symrt.tracing.view import View, Which
 
@@ -18,7 +22,11 @@ def _blend(stage: Stage, name: str, view: View, hit: Which) -> Mapping[str, PerH
     texture = stage.textures.get(name)
     if texture is None:
         return None
-    share = weights(texture, view.surface.uv[:, hit], view.surface.extent[:, hit])
+    place = view.surface.uv[:, hit], view.surface.extent[:, hit]
+    if ALONG_U in view.state and getattr(texture, "filtered", False):
+        share = averaged(texture, *place, np.stack([view.state[along][hit] for along in (ALONG_U, ALONG_V)]))
+    else:
+        share = weights(texture, *place)
     blended: dict[str, PerHit] = {}
     for material, row in zip(texture.materials, share, strict=True):  # type: ignore[attr-defined]
         blended[material] = blended.get(material, 0) + row
