@@ -15,6 +15,7 @@ from reference.lamps import rectangle_lamp
 from reference.lights import directional_light, point_light
 from reference.meshes import mesh
 from reference.records import Hit, Ray, Scene, Spectrum, Table
+from reference.round_lamps import disk_lamp, sphere_lamp
 from reference.shapes import box, cylinder, disk, plane, rectangle, sphere
 from reference.sky import seen_sky, sky_lamps
 from reference.textures import banded_relief, checker, label_image, weight_image
@@ -32,6 +33,7 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
     file, folder = tomllib.loads(Path(path).read_text()), Path(path).parent
     kinds = {"sphere": sphere, "plane": plane, "disk": disk, "rectangle": rectangle, "cylinder": cylinder, "box": box}
     lights = {"point": point_light, "directional": directional_light}
+    lamps = {"rectangle": rectangle_lamp, "disk": disk_lamp, "sphere": sphere_lamp}
     from_file = {"label_image": label_image, "weight_image": weight_image}
     computed = {"checker": checker, "banded_relief": banded_relief}
     textures = {
@@ -73,7 +75,7 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
         lanterns=tuple(
             kinds[t["type"]]({**t, "material": name}) for name, t in file["lights"].items() if t.get("visible")
         ),
-        lamps={name: rectangle_lamp(t) for name, t in file["lights"].items() if t["type"] == "rectangle"} | of_skies,
+        lamps={name: lamps[t["type"]](t) for name, t in file["lights"].items() if t["type"] in lamps} | of_skies,
         skies=tuple(seen_sky(name, t) for name, t in skies.items()),
         least=1e-3 if any(map(of_glass, file["materials"].values())) else 0.0,
     )
