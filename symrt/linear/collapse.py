@@ -148,25 +148,32 @@ def run(program: Program, tree: RayTree, *, ordered: bool = False) -> LinearSyst
 
 def _add(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
     """Add numbers to G, each to the column of its product; light in glass is shared out to powers of lengths."""
-    columns, which = _within(found, columns, pairs)
-    if not pairs.inside or found.clear:
-        found.entries.add(columns, which, pairs.pixel, value)
-        found.bounces.add(columns, which, pairs, value)
-        return
-    parts = spread(columns, which, pairs.inside, found.program.lengths)
-    shares = value[parts.origin] * parts.share
-    found.entries.add(parts.columns, parts.which, pairs.pixel[parts.origin], shares)
-    found.bounces.add(parts.columns, parts.which, pairs.of(parts.origin), shares)
+    columns, which, pairs, value = _shared(found, columns, pairs, value, bounding=False)
+    found.entries.add(columns, which, pairs.pixel, value)
+    found.bounces.add(columns, which, pairs, value)
 
 
 def _bound(found: Gathering, columns: Sequence[Interaction], pairs: Pairs, value: Float[np.ndarray, " entry"]) -> None:
     """Add numbers to the tail, as `_add` does to G; what glass leaves of them is bounded by the node below."""
+    columns, which, pairs, value = _shared(found, columns, pairs, value, bounding=True)
+    found.tail.add(columns, which, pairs.pixel, value)
+
+
+def _shared(
+    found: Gathering,
+    columns: Sequence[Interaction],
+    pairs: Pairs,
+    value: Float[np.ndarray, " entry"],
+    *,
+    bounding: bool,
+) -> tuple[Sequence[Interaction], Index, Pairs, Float[np.ndarray, " part"]]:
+    """Columns, those of the numbers, and the numbers: within windows, and shared out by lengths in glass."""
     columns, which = _within(found, columns, pairs)
     if not pairs.inside or found.clear:
-        found.tail.add(columns, which, pairs.pixel, value)
-        return
-    parts = spread(columns, which, pairs.inside, found.program.lengths, bounding=True)
-    found.tail.add(parts.columns, parts.which, pairs.pixel[parts.origin], value[parts.origin])
+        return columns, which, pairs, value
+    parts = spread(columns, which, pairs.inside, found.program.lengths, bounding=bounding)
+    share = value[parts.origin] if bounding else value[parts.origin] * parts.share
+    return parts.columns, parts.which, pairs.of(parts.origin), share
 
 
 def _within(found: Gathering, columns: Sequence[Interaction], pairs: Pairs) -> tuple[Sequence[Interaction], Index]:

@@ -68,7 +68,7 @@ def make_program(
     materials = with_values(materials, values or {})
     _check_known(materials, free)
     _check_not_traced(materials, free)
-    nodes = freed(materials, free, error)
+    inside, nodes = _lengths(materials, error, lengths), freed(materials, free, error)
 
     # What alternatives bring belongs to the material whose place they may take.
     own = {name: record for name, record in materials.items() if not Surface.of(name).alternative}
@@ -77,7 +77,7 @@ def make_program(
         signatures={name: record.signature() for name, record in own.items()},
         nodes={name: nodes[name] for name in sorted(nodes)},
         limits=limits(materials, nodes, gathered),
-        lengths=_lengths(materials, error, lengths),
+        lengths=inside,
     )
 
 

@@ -36,12 +36,12 @@ def first_plan(
     not called for: penumbrae, mirrors, ...
     """
     require("scene", scene, Scene, "a Scene, load_scene(path)")
-    force, alternatives = force or {}, checked_alternatives(scene, alternatives or {})
-    tolerance = TOLERANCE if tolerance is None else _checked(tolerance)
-    known = {effect.name for effect in effects.EFFECTS}
+    force, known = force or {}, {effect.name for effect in effects.EFFECTS}
     refuse(
         f"force: there is no effect {name!r}; {suggestion(name, sorted(known))}" for name in force if name not in known
     )
+    alternatives = checked_alternatives(scene, alternatives or {})
+    tolerance = TOLERANCE if tolerance is None else _checked(tolerance)
     calls = {effect.name: effect.call(scene, alternatives) for effect in effects.EFFECTS}
     planned = [_planned(effect, calls[effect.name], force.get(effect.name), tolerance) for effect in effects.EFFECTS]
     counted = tuple(_counted(planned, calls, scene.depth))
