@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from symrt.errors import require
 from symrt.interactions import Interaction
@@ -166,7 +166,7 @@ def _shared(
     value: Float[np.ndarray, " entry"],
     *,
     bounding: bool,
-) -> tuple[Sequence[Interaction], Index, Pairs, Float[np.ndarray, " part"]]:
+) -> tuple[Sequence[Interaction], Int[np.ndarray, " part"], Pairs, Float[np.ndarray, " part"]]:
     """Columns, those of the numbers, and the numbers: within windows, and shared out by lengths in glass."""
     columns, which = _within(found, columns, pairs)
     if not pairs.inside or found.clear:
