@@ -101,7 +101,7 @@ def test_rays_that_a_hit_sends_on_make_a_furnace_a_geometric_series(tmp_path, de
     seen = middle(
         tmp_path,
         {"wall.diffuse": 1.0, "wall.mirror": [0.5, 1.0, 0.0], "lamp": 4 * math.pi, "beyond": [0.0, 0.0, 7.0]},
-        rules={"sending": (three,), "beyond": "beyond"},
+        rules={"sending": (three,), "beyond": "beyond", "least": 0.0},
         camera=EYE | {"position": [0, 0, 0], "target": [0, 0, -1]},
         shapes=[{"type": "sphere", "centre": [0, 0, 0], "radius": 2, "material": "wall"}],
         materials={"wall": {"model": ["lambert", "mirror"]}},

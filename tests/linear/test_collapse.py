@@ -122,7 +122,7 @@ def test_two_terms_at_each_bounce_do_not_double_the_work():
     along = rt.Camera(position=(0, 0, 0), target=(0, 0, -1), width=2, height=2, field_of_view=0.2)
     both = [rt.Material(name, model=glossy) for name in ("front", "back")]
     scene = replace(hall_of_mirrors(40, tilt=0.0), camera=along, materials=both)
-    system = rt.render(scene, progress=False)
+    system = rt.render(scene, tolerance=0, progress=False)
     assert max(i.degree for i in system.interactions) == 41
     tree = rt.trace(replace(scene, depth=3))
     literal = rt.coefficient_matrix(rt.expressions(tree), 2, 2, system.white)

@@ -77,7 +77,7 @@ def load(path: str | Path, nm: float | None = None) -> Scene:
         ),
         lamps={name: lamps[t["type"]](t) for name, t in file["lights"].items() if t["type"] in lamps} | of_skies,
         skies=tuple(seen_sky(name, t) for name, t in skies.items()),
-        least=1e-3 if any(map(of_glass, file["materials"].values())) else 0.0,
+        least=1e-3,
     )
 
 

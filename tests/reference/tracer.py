@@ -53,10 +53,12 @@ def radiance(
     for ray in (ray for rule in scene.sending for ray in rule(hit, to_eye)):
         senders = {name: weight for name, weight in weights.items() if ray.of is None or name in ray.of}
         meeting = {name: weight for name, weight in senders.items() if formulas(scene.materials[name], ray.via)}
-        if not meeting or carried * ray.weight < scene.least:
+        # The largest share that the ray may carry on: reflectances are at most 1.
+        onwards = carried * ray.weight * sum(meeting.values())
+        if not meeting or onwards < scene.least:
             continue
         if bounces > 0:
-            how = (bounces - 1, carried * ray.weight, ray.via, after(within, hit, ray))
+            how = (bounces - 1, onwards, ray.via, after(within, hit, ray))
             arriving = radiance(scene, spectra, hit.point, ray.direction, *how)
         else:
             arriving = black if scene.beyond is None else spectra[scene.beyond]
