@@ -35,7 +35,7 @@ COMPONENTS = {
 def disagreement(path, palette, width, height):
     """The largest relative difference of any pixel in any band; infinite where only one of the two is black."""
     scene = rt.load_scene(path)
-    # What paths gather is held against the same paths in `test_interreflection`.
+    # What is gathered is held against the plain tracer in `test_interreflection`, along given rays.
     eye = replace(scene.camera, width=width, height=height, lens_samples=4)
     scene = replace(scene, camera=eye, interreflection=None)
     # Lengths in absorbing glass are interpolated: as finely as can be told from the lengths themselves.

@@ -1,4 +1,4 @@
-"""Diffuse interreflection: furnaces, exact form factors, the plain tracer on the same paths, tiles, and bounds."""
+"""Diffuse interreflection: furnaces, exact form factors, the plain tracer along the same rays, tiles, and bounds."""
 
 import importlib
 import math
@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import reference
 from scipy.stats import qmc
+from test_pictures import write_scene
 
 import symrt as rt
 from symrt.linear.job import make_job
@@ -218,3 +220,82 @@ def test_formula_linear_form_and_pixel_are_one():
     assert "lamp*white.diffuse*irradiance*n_dot_l" in text
     assert "lamp*red.diffuse*E_2" in text
     assert len(letters.letters) < 20
+
+
+FACING = 2 / math.pi * (math.log(2 / math.sqrt(3)) + 2 * math.sqrt(2) * math.atan(1 / math.sqrt(2)) - math.pi / 2)
+"""The form factor of opposite faces of a cube (J. R. Howell, Catalogue of Radiation Configuration Factors, C-11)."""
+
+
+@pytest.mark.parametrize(("glowing", "factor"), [("ceiling", FACING), ("left", (1 - FACING) / 4)])
+def test_the_mean_of_a_cubes_floor_is_the_form_factor_of_the_face_that_glows(glowing, factor):
+    assert pytest.approx(0.19982, abs=1e-5) == FACING
+    faces = {
+        "floor": ((0, -0.5, 0), (1, 0, 0), (0, 0, -1)),
+        "ceiling": ((0, 0.5, 0), (1, 0, 0), (0, 0, 1)),
+        "left": ((-0.5, 0, 0), (0, 0, -1), (0, 1, 0)),
+        "right": ((0.5, 0, 0), (0, 0, 1), (0, 1, 0)),
+        "back": ((0, 0, -0.5), (1, 0, 0), (0, 1, 0)),
+        "front": ((0, 0, 0.5), (-1, 0, 0), (0, 1, 0)),
+    }
+    scene = rt.Scene(
+        # Rays straight down, which spread evenly over the whole floor.
+        camera=rt.Camera(
+            type="orthographic",
+            position=(0, 0.4, 0),
+            target=(0, 0, 0),
+            up=(0, 0, -1),
+            view_width=1,
+            width=32,
+            height=32,
+        ),
+        shapes=[rt.Rectangle(*face, name) for name, face in faces.items()],
+        materials=[rt.Material(name, "emitter" if name == glowing else "lambert") for name in faces],
+        lights=[rt.SurfaceLight("glow", material=glowing)],
+        interreflection=rt.Interreflection(paths=64, depth=1),
+    )
+    system = rt.render(scene, progress=False)
+    assert [str(i) for i in system.interactions] == ["glow*floor.diffuse"]
+    seen = system.G.toarray()
+    spread = math.sqrt(factor * (1 - factor) / (64 * seen.size))  # of independent paths; these are more even
+    assert seen.mean() == pytest.approx(factor, abs=2 * spread)
+
+
+def test_the_plain_tracer_sees_the_same_along_the_same_rays(tmp_path, monkeypatch):
+    # No digit is flipped: every hit sends its rays in the same directions about its normal.
+    monkeypatch.setattr(gathering, "hashed", np.zeros_like)
+    paths, effect = 6, importlib.import_module("symrt.tracing.effects.interreflection")
+    balls = [
+        {"type": "sphere", "centre": [-0.9, 0.8, 0], "radius": 0.8, "material": "red"},
+        {"type": "sphere", "centre": [0.8, 0.6, 0.4], "radius": 0.6, "material": "white"},
+        {"type": "plane", "point": [0, 0, 0], "normal": [0, 1, 0], "material": "white"},
+    ]
+    table = {
+        "depth": 1,
+        "camera": {"type": "perspective", "position": [0, 2, 5], "target": [0, 0.6, 0], "field_of_view": 40},
+        "shapes": balls,
+        "materials": {"red": {"model": "lambert"}, "white": {"model": "phong", "exponent": 20}},
+        "lights": {"lamp": {"type": "point", "position": [2, 4, 3]}},
+    }
+    table["camera"] |= {"width": 12, "height": 9}
+    write_scene(tmp_path, table)
+    ours = replace(rt.load_scene(tmp_path / "scene.toml"), interreflection=rt.Interreflection(paths, depth=1))
+
+    numbers = [sequence(paths, k) * 2.0**-32 + 2.0**-33 for k in (0, 1)]
+
+    def scattered(hit, _):
+        normal = np.repeat(np.array(hit.shading)[:, None], paths, axis=1)
+        ways = effect._scattered(normal, *numbers).T.tolist()
+        return [reference.Ray("ambient", tuple(way), 1 / paths) for way in ways]
+
+    plain = reference.load(tmp_path / "scene.toml")._replace(sending=(scattered,), least=0.0)
+    spectra = {
+        "lamp": [90.0, 60.0],
+        "red.diffuse": [0.6, 0.1],
+        "white.diffuse": [0.8, 0.7],
+        "white.specular": [0.1, 0.1],
+    }
+    expected = np.array(reference.picture(plain, spectra, 12, 9))
+    seen = rt.shade(rt.render(ours, progress=False), rt.Palette(rt.wavelengths(500, 600, 100), spectra)).values
+    np.testing.assert_allclose(seen, expected, rtol=1e-9, atol=0)
+    alone = np.array(reference.picture(plain._replace(sending=()), spectra, 12, 9))
+    assert (expected > 1.02 * alone).mean() > 0.3
