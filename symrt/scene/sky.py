@@ -77,10 +77,10 @@ class SkyRegion:
     calls_for: ClassVar[str | None] = "environment"
     via: ClassVar[Via] = "direct"
     name: str
-    low: float
-    high: float
-    west: float = 0.0
-    east: float = 360.0
+    low: float | int
+    high: float | int
+    west: float | int = 0.0
+    east: float | int = 360.0
     up: Triple = (0.0, 1.0, 0.0)
     north: Triple = (0.0, 0.0, -1.0)
     shadows: bool = True

@@ -83,7 +83,7 @@ def _exhibit(name: str, width: int, samples: int) -> Exhibit:
     bands = palettes[chosen].bands
     return Exhibit(
         name=Path(name).stem,
-        title=_title(scene_path(name)),
+        title=title_of(scene_path(name)),
         effects=tuple(effect.name for effect in plan(scene).effects if effect.simulated and effect.name not in BASIC),
         palette=chosen,
         bands=f"{len(bands)} bands" if spectral else "RGB",
@@ -92,7 +92,7 @@ def _exhibit(name: str, width: int, samples: int) -> Exhibit:
     )
 
 
-def _title(path: Path) -> str:
+def title_of(path: Path) -> str:
     """The first sentence of the comment that a scene's file opens with; empty where there is none."""
     found = re.match(r"(?:#[^\n]*\n)+", path.read_text(encoding="utf-8"))
     words = " ".join(line.lstrip("# ") for line in found[0].splitlines()).split() if found else []

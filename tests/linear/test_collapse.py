@@ -16,7 +16,7 @@ from symrt.reflection.symbols import Light, Reflectance, n_dot_l
 @pytest.mark.parametrize("name", every_scene())
 def test_the_array_path_is_the_literal_pipeline(name):
     # Paper §4: expression trees per pixel, partially evaluated into linear expressions.
-    size = 10 if name == "tinted" else 24
+    size = {"tinted": 10, "prism": 10, "cornell": 12}.get(name, 24)
     tree = rt.trace(small(name, size))
     system = rt.collapse(tree)
     literal = rt.coefficient_matrix(rt.expressions(tree), size, size, system.white)

@@ -8,16 +8,14 @@ import symrt as rt
 from symrt.cli import main
 from symrt.commands.arguments import scene_of
 from symrt.reading import shipped_scenes
-from symrt.show.gallery import exhibits
+from symrt.show.gallery import exhibits, title_of
 
 
 @pytest.mark.parametrize("name", list(shipped_scenes()))
 def test_every_shipped_scene_says_in_a_sentence_what_it_shows(name):
-    [shown] = exhibits([name], width=8, progress=False)
-    assert shown.title.endswith((".", ":"))
-    assert 20 < len(shown.title) < 160
-    assert set(shown.effects) <= {effect.name for effect in rt.plan(rt.load_scene(name)).effects if effect.simulated}
-    assert shown.picture.max() > shown.picture.min()
+    title = title_of(shipped_scenes()[name])
+    assert title.endswith(".")
+    assert 20 < len(title) < 160
 
 
 def test_an_exhibit_is_the_picture_that_shade_makes():

@@ -1,4 +1,7 @@
-"""The cost of effects that nothing calls for, as JSON: run by `test_branches` where nothing else watches calls."""
+"""The cost of effects that nothing calls for in the scenes named, as JSON.
+
+Run by `test_branches` where nothing else watches calls.
+"""
 
 import gc
 import json
@@ -6,7 +9,7 @@ import sys
 import tracemalloc
 
 import numpy as np
-from scenes_for_tests import every_scene, small
+from scenes_for_tests import small
 
 from symrt import fast
 from symrt.linear.collapse import run
@@ -74,5 +77,5 @@ def compared(scene):
 
 if __name__ == "__main__":
     with fast.use(False):  # kernels are loaded at some point, which would count
-        measured = {name: [compared(small(name, size)) for size in SIZES.get(name, (32, 96))] for name in every_scene()}
+        measured = {name: [compared(small(name, size)) for size in SIZES.get(name, (32, 96))] for name in sys.argv[1:]}
     print(json.dumps(measured))  # noqa: T201  # it is a script
