@@ -179,5 +179,5 @@ def gallery(
         shown.sort(key=lambda one: (len(one.effects), one.name))
     write_whole(out, png(gallery_figure(shown)))
     for one in shown:
-        say(f"{one.name}: {', '.join(one.effects) or 'no effect but light'}; {one.seconds:.2f} s")
+        say(f"{one.name}: {', '.join(one.effects) or 'light and shadow alone'}; {one.seconds:.2f} s")
     say(f"{out}: {len(shown)} scenes")

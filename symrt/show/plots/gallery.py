@@ -36,7 +36,7 @@ def gallery_figure(exhibits: Sequence[Exhibit], columns: int = 3) -> Drawing:
             left = GAP + column * (WIDTH + GAP)
             own = WIDTH * one.picture.shape[0] / one.picture.shape[1]
             picture_panel(figure, (left, top, WIDTH, own), one.picture, one.name)
-            effects = ", ".join(one.effects) or "nothing but light on a surface"
+            effects = ", ".join(one.effects) or "light and shadow alone"
             words = f"{wrapped(one.title, LETTERS)}\n{wrapped(f'{effects} · {one.palette}, {one.bands}', LETTERS)}"
             place = left / across, 1 - (top + own + 0.06) / figure.get_figheight()
             figure.text(*place, words, fontsize=8, color=GREY, va="top", linespacing=1.35)
