@@ -88,7 +88,7 @@ def _exhibit(name: str, width: int, samples: int) -> Exhibit:
         palette=chosen,
         bands=f"{len(bands)} bands" if spectral else "RGB",
         picture=to_rgb8(linear_rgb(image)),
-        seconds=sum(system.seconds.values()),
+        seconds=system.seconds["render"],
     )
 
 

@@ -11,7 +11,7 @@ sky = { spectrum = "illuminant/D65", scale = 0.3 }
 "gold.specular" = { file = "gold.csv" }   # two columns, nm and value, in the scene's folder
 lamp = { peak = 400, width = 25, scale = 3 }   # a bell over nm: its middle, its width at half its height, its height
 unphysical = true                     # permits reflectances above 1
-reference-white = 0.3                 # radiance of the white it is seen against, or a list; else the key light's
+reference-white = 0.3                 # radiance of the white it is seen against, as a light; else the key light's
 [palettes.plain."ink.fluorescence"]   # a dye, or [[…]] for each of several
 excitation = { peak = 460, width = 80 }
 emission = { peak = 520, width = 50 }
@@ -34,7 +34,7 @@ from symrt.reading import number_faults, read_toml, scene_path
 from symrt.spectra.bands import RGB, Bands, wavelengths
 from symrt.spectra.fluorescence import Donaldson
 from symrt.spectra.palette import Given, Palette
-from symrt.spectra.sources import SOURCES, fluorescence_of, is_number, numbers_of, spectrum_of
+from symrt.spectra.sources import SOURCES, fluorescence_of, is_number, spectrum_of
 from symrt.symbols import NAME, Symbol, named
 
 WHITE = "reference-white"
@@ -148,15 +148,16 @@ def _palette(name: str, table: object, folder: Path) -> Palette:
     if not isinstance(unphysical, bool):
         raise SceneError(f"unphysical = {shown(unphysical)}: write true or false")
     spectra, faults = _spectra(table, bands, folder)
-    white = table.get(WHITE)
-    if white is not None and not (isinstance(white, list) or is_number(white)):
-        raise SceneError(f"{WHITE} = {shown(white)}: give its radiance, one number a band")
+    white = None
+    if (given := table.get(WHITE)) is not None:
+        try:
+            white = spectrum_of(Symbol(light="white"), given, bands, folder)
+        except ValueError as error:
+            faults += [f"{WHITE} = {shown(given)}: {line}" for line in _lines(error)]
 
     # All faults together: those of the file, then those of the palette itself.
     try:
-        palette = Palette(
-            bands, spectra, unphysical, numbers_of(white, len(bands)) if isinstance(white, list) else white
-        )
+        palette = Palette(bands, spectra, unphysical, white)
     except ValueError as error:
         refuse([*faults, *_lines(error)])
         raise

@@ -13,7 +13,7 @@ LETTERS = 62
 
 
 @literal
-def gallery_figure(exhibits: Sequence[Exhibit], columns: int = 3) -> Drawing:
+def gallery_figure(exhibits: Sequence[Exhibit], columns: int = 4) -> Drawing:
     """Scenes in rows, each with its name, its title, and the effects that it called for.
 
     Examples
