@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from benchmarks import growth
 from benchmarks.pairs import ratio
+from scenes_for_tests import lamps
 
 import symrt as rt
 from symrt import fast
@@ -40,7 +41,7 @@ def test_sixty_four_lights_cost_at_most_twenty_times_one(compiled, report, bench
 
     def render(case):
         one, many = case
-        return spent(one), spent(many)
+        return growth.spent(one), growth.spent(many)
 
     with fast.use(compiled):
         times = benchmark.pedantic(lambda: {name: render(case) for name, case in cases.items()}, rounds=1)
