@@ -15,11 +15,51 @@ settings.load_profile("ci" if IN_CI else "here")
 
 MISSING: list[str] = []
 
+SLOW = {"glass", "lens", "many_lights", "prism", "cornell", "tinted", "sky"}
+"""Scenes that cost many rays."""
+DEAR_SCENES = {
+    "test_the_array_path_is_the_literal_pipeline": SLOW,
+    "test_printed_formula_evaluates_to_the_shaded_pixel": SLOW,
+    "test_python_code_gives_every_lit_pixel": SLOW,
+    "test_letters_and_linear_form_have_the_same_monomials": SLOW,
+    "test_tiles_and_1_2_and_8_workers_give_the_same_bits": SLOW,
+    "test_what_formulas_say_is_read_back_as_the_system": SLOW,
+    "test_every_scene_looks_as_a_scalar_tracer_sees_it": {"glass", "many_lights", "prism", "tinted"},
+}
+"""By the test, scenes that it is asked about when time does not matter."""
+DEAR = {
+    "test_exactly_the_pixels_named_are_outside_and_it_is_never_worse_than_with_none": (
+        "brightest-0.03",
+        "contrast-0.03",
+    ),
+    "test_order_and_names_do_not_matter": ("contrast-0.08", "brightest-0.08", "closest-0.08"),
+    "test_no_random_scales_inside_are_better": ("contrast-0.08", "brightest-0.08"),
+    "test_the_range_is_that_of_the_pixels_that_some_value_brings_inside": (
+        "inks-exposure",
+        "inks-mirrors",
+        "inks-blend",
+    ),
+    "test_feasible_takes_every_model": ("inks",),
+    "test_gamuts_of_any_model_are_asked_themselves": ("inks",),
+    "test_pixels_above_black_stay_so": ("contrast",),
+}
+"""By the test, cases that take seconds of solvers each."""
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give each of several workers one processor: threads of linear algebra would only fight over them."""
     if config.getoption("numprocesses", None):
         os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark cases that take seconds each as exhaustive: the cheap cases of the same tests are run at once."""
+    for item in items:
+        case = item.callspec.id if isinstance(item, pytest.Function) and hasattr(item, "callspec") else ""
+        name = item.name.partition("[")[0]
+        if (name in DEAR_SCENES and DEAR_SCENES[name].intersection(case.split("-"))) or case in DEAR.get(name, ()):
+            item.add_marker(pytest.mark.exhaustive)
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:

