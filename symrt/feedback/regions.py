@@ -110,6 +110,7 @@ def _parted(
 
 
 def _parted_tail(tail: Tail, material: str, inside: Bool[np.ndarray, " pixel"], name: str) -> Tail:
+    # What the region sends on, under its own name; then the bound, and the paints.
     reflected, passed = (
         tuple(
             tuple((_renamed_met(met, material, name), c) for met, c in shares)

@@ -111,7 +111,7 @@ def _added(parts: list[Box]) -> Box:
 
 
 def _left_of_1(share: Box) -> Box:
-    """What shares in [0, 1] leave of 1: no rounding takes it out of [0, 1]."""
+    """1 less shares in [0, 1]: no rounding takes it out of [0, 1]."""
     return real(1 - np.clip(share.high, 0.0, 1.0), 1 - np.clip(share.low, 0.0, 1.0))
 
 

@@ -48,6 +48,7 @@ def limits(materials: Materials, nodes: Mapping[str, Nodes], gathered: Collectio
     gathered
         Formulas that lights meet by which effects send rays on, too.
     """
+    # The values that each parameter may have, then each bound from them.
     ranges = {name: _ranges(name, record, nodes) for name, record in materials.items()}
     return Limits(
         brightest={field: _brightest(field, materials, ranges) for field in LIT},

@@ -87,6 +87,7 @@ def _coefficients(pixel: Formula) -> dict[Interaction, float]:
 
 
 def _interaction(product: sympy.Expr) -> Interaction:
+    # The factors by their kind.
     lights: list[str] = []
     met: list[str] = []
     windows: list[str] = []
@@ -103,6 +104,8 @@ def _interaction(product: sympy.Expr) -> Interaction:
         (lights if isinstance(base, Light) else windows if isinstance(base, Hat) else met).extend(
             [base.name] * int(power)
         )
+
+    # One light, at most one window, and reflectances in their order.
     if len(lights) != 1:
         raise ValueError(f"{product} has {len(lights)} lights: every path of light starts at exactly one")
     if len(windows) > 1:

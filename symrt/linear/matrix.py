@@ -31,6 +31,7 @@ class Entries:
         present = np.count_nonzero(value)
         if not present:
             return
+        # The number of each interaction's column, then pixels, columns and values of what is not zero.
         number = np.array([self.columns.setdefault(i, len(self.columns)) for i in interactions], dtype=np.int32)
         which = np.zeros(value.size, np.int64) if which is None else which
         kernels = fast.kernels("symrt.linear.fast.gathering", value.size)

@@ -99,6 +99,7 @@ def _on_ellipse(
     coefficient: sympy.Expr, key: str, ends: tuple[float, float], ranges: Ranges, rho: float, *, log: bool
 ) -> float:
     """A bound on a coefficient's size in an ellipse about the parameter's range, or its logarithm's."""
+    # Points of the ellipse, and boxes in storeys that cover its upper half.
     low, high = np.log(ends) if log else np.array(ends)
     angle = np.linspace(0, np.pi, ARCS + 1)
     across = (low + high) / 2 + (high - low) / 2 * (rho + 1 / rho) / 2 * np.cos(angle)
@@ -110,6 +111,8 @@ def _on_ellipse(
         top * storey / STOREYS,
         top * (storey + 1) / STOREYS,
     )
+
+    # Where nodes stand in the logarithm, the parameter itself.
     if log:
         stand_in = sympy.Dummy()
         cover = enclosed(sympy.exp(stand_in), {stand_in: cover}, cover.low.size)

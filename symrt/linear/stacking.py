@@ -23,6 +23,7 @@ def stacked(systems: Iterable[LinearSystem], width: int, height: int) -> LinearS
     >>> stacked([left, right], 2, 1).G.toarray().tolist()
     [[0.0, 0.5], [0.25, 0.0]]
     """
+    # Rows are added as they come, and so is what is told beside them.
     matrix, bound = Stack(width * height), Stack(width * height)
     first = None
     cut = Tail(sparse.csr_array((0, 0)))

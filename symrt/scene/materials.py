@@ -94,11 +94,14 @@ def _model_faults(models: tuple[Any, ...]) -> Iterator[str]:
 
 
 def _parameter_faults(material: Material) -> Iterator[str]:
+    # Parameters that are missing.
     needed = material.reflection.parameters
     given = {*material.parameters, "index"} if material.dispersion else set(material.parameters)
     for key in sorted(needed - given):
         example = "index = 1.5, or glass = 'N-BK7'" if key == "index" else f"{key} = 40, say"
         yield f"{key}: the model {models_text(material)} needs it; write {example}"
+
+    # Those given: unknown ones, and values beyond what they may be.
     for key, value in material.parameters.items():
         faults = list(check_number(key, value))
         if key not in needed:

@@ -163,6 +163,7 @@ def dispersion(glass: Any, sellmeier: Any, cauchy: Any) -> Dispersion | None:
 
 def dispersion_faults(glass: Any, sellmeier: Any, cauchy: Any, index: Any, refracts: bool) -> Iterator[str]:
     """Faults of what a material gives for its refractive index, a line each, but for a number."""
+    # One way, of a model that light goes through.
     told = {"index": index, "glass": glass, "sellmeier": sellmeier, "cauchy": cauchy}
     given = {key: value for key, value in told.items() if value is not None}
     if len(given) > 1:
@@ -174,6 +175,8 @@ def dispersion_faults(glass: Any, sellmeier: Any, cauchy: Any, index: Any, refra
             for key, value in given.items()
             if key != "index"
         )
+
+    # A name, the numbers of Sellmeier's formula, or those of Cauchy's.
     if glass is not None and (not isinstance(glass, str) or glass not in _tables()):
         yield f"glass = {shown(glass)}: no glass has this name; {suggestion(str(glass), glasses())}"
     if sellmeier is not None:

@@ -142,6 +142,7 @@ class Scene:
 
 
 def _scene_faults(scene: Scene) -> Iterator[str]:
+    # Each part by itself.
     kinds = list(_kind_faults(scene))
     yield from kinds
     yield from light_faults(scene.lights)
@@ -152,6 +153,8 @@ def _scene_faults(scene: Scene) -> Iterator[str]:
         yield f"interreflection = {shown(asked)}: {rule}"
     windows = list(window_faults(scene.windows))
     yield from windows
+
+    # What refers to what, once all parts are what they should be.
     if not kinds:
         named = ("lights", "materials", "textures")
         yield from name_faults((key, record.name) for key in named for record in getattr(scene, key))

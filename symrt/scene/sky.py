@@ -215,6 +215,7 @@ class Environment:
 
 
 def _region_faults(regions: Any) -> Iterator[str]:
+    # Some regions, each with a name and its borders.
     if not isinstance(regions, Mapping) or not regions:
         yield (
             f"regions = {shown(regions)}: an environment has at least one region, each with its lowest and highest "

@@ -69,6 +69,7 @@ def fluorescence_of(symbol: Symbol, value: object, bands: Bands, folder: Path) -
 
 
 def _from_source(symbol: Symbol, value: dict[str, Any], bands: Bands, folder: Path) -> Float[np.ndarray, " band"]:
+    # A colour, or a bell.
     if "rgb" in value:
         rgb = numbers_of(value["rgb"] if isinstance(value["rgb"], list) else [], 3)
         return from_rgb(rgb, bands, reflectance=symbol.reflectance)
@@ -77,6 +78,8 @@ def _from_source(symbol: Symbol, value: dict[str, Any], bands: Bands, folder: Pa
         if not (is_number(peak) and is_number(width)):
             raise SceneError(f"peak = {shown(peak)}, width = {shown(width)}: give both, as numbers in nm")
         return bell(peak, width, bands)
+
+    # A name of the library, or a file's.
     source = value.get("spectrum", value.get("file"))
     if not isinstance(source, str):
         raise SceneError(f"{shown(source)} is not a name: write it in quotes")

@@ -88,6 +88,7 @@ def _remarks(scene: Scene) -> Iterator[str]:
 
 
 def _planned(effect: Effect, call: Call, forced: bool | None, tolerance: float) -> Planned:
+    # Not called for, or simulated.
     if not call.by:
         if forced:
             raise ValueError(f"force: nothing calls for {effect.name}: {call.without}")
@@ -97,6 +98,8 @@ def _planned(effect: Effect, call: Call, forced: bool | None, tolerance: float) 
         pruned = f", down to {100 * tolerance:.2g}% of a sample" if CARRIED in effect.state and tolerance else ""
         optional = not effect.needed and not effect.unbounded
         return Planned(effect.name, "simulated", call.by, "", call.rays + pruned, optional=optional)
+
+    # Left out, if it may be.
     if forced:
         raise ValueError(f"force: {effect.name} cannot be simulated: {left_out}")
     if forced is False and effect.needed:

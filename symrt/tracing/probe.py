@@ -185,6 +185,7 @@ def _branches(tree: RayTree) -> Iterator[Branching]:
         followed = () if below is None else below.branches
         for points in level.points:
             for via in sorted(tree.materials[points.material].model.formulas):
+                # The rays that this material sends by this formula, followed and cut, and their windows.
                 own = [branch for branch in (*followed, *level.cut) if branch.via == via and branch.sent_by(points)]
                 weight = np.zeros(level.size)
                 weight[points.hit] = points.weight

@@ -45,7 +45,7 @@ def sequence(count: int, dimension: int) -> UInt32[np.ndarray, " count"]:
 
 
 def _directions(dimension: int) -> UInt32[np.ndarray, " digit"]:
-    """What each binary digit of a point's number adds to its coordinate, without carrying."""
+    """Direction numbers: one is added, without carrying, for each binary digit that the point's number has."""
     if dimension == 0:
         return np.uint32(1) << np.arange(BITS - 1, -1, -1, dtype=np.uint32)
     polynomial, initial = TABLE.split()[dimension].split(":")

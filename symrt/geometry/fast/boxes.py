@@ -17,7 +17,7 @@ Whole = Int[np.ndarray, " _"]
 
 @compiled()
 def _look(family: Float[np.ndarray, "6 child"], ray: Floats, first: float, last: float, met: Met) -> None:
-    """Which of some boxes side by side the stretch of a ray meets; one of nan is met by none."""
+    """Tell of boxes side by side whether the stretch of a ray meets each; one of nan is met by none."""
     for lane in range(met.size):
         enter, leave = first, last
         a, b = (family[0, lane] - ray[0]) * ray[6], (family[3, lane] - ray[3]) * ray[6]

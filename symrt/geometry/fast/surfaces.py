@@ -122,6 +122,7 @@ def sphere(
         a = ((origin[0, i] - x) + t * direction[0, i]) / radius
         b = ((origin[1, i] - y) + t * direction[1, i]) / radius
         c = ((origin[2, i] - z) + t * direction[2, i]) / radius
+        # The normal there, and the point pulled back onto the ball along it.
         size = np.sqrt(a * a + b * b + c * c)
         if size == 0:
             a, b, c, size = -direction[0, i], -direction[1, i], -direction[2, i], 1.0
@@ -157,6 +158,7 @@ def flat(
             origin[1, i] + t * direction[1, i],
             origin[2, i] + t * direction[2, i],
         )
+        # How far it lies off the plane, by which it is pulled back.
         height = pair_dot(difference((x, y, z), at), exact(along))[0] / square
         met = x - height * along[0], y - height * along[1], z - height * along[2]
         _write(i, met, unit, point, normal, shading)

@@ -74,6 +74,7 @@ def factors(
             h, p = hit[i], place[i]
             n, v = (normal[0, h], normal[1, h], normal[2, h]), (viewer[0, h], viewer[1, h], viewer[2, h])
             l = direction[0, p], direction[1, p], direction[2, p]  # noqa: E741  the equations' own letter
+            # The two vectors of the factor, then their cosine or what is left of 1.
             a, b = _vector(first, n, v, l), _vector(second, n, v, l)
             if rest:
                 d = a[0] - b[0], a[1] - b[1], a[2] - b[2]
